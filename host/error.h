@@ -1,0 +1,24 @@
+// The world's faults, as exceptions: one line that says where, what, and what was expected. main() catches them once and
+// turns them into the exit code. Our own mistakes are asserts; expected absence is std::optional.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace oclair {
+
+enum class Exit : int {
+  success = 0,
+  render_failed = 1,  // rendering or file output failed
+  usage = 2,          // wrong command line
+  scene = 3,          // the scene, or a file that it names, is missing or wrong
+  device = 4,         // no such device, or a kernel does not compile or run
+  stopped = 5,        // stopped before its target; the image is written
+};
+
+struct Error : std::runtime_error {
+  Error(Exit exit_code, const std::string& message) : std::runtime_error(message), exit(exit_code) {}
+  Exit exit;
+};
+
+}  // namespace oclair

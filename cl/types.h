@@ -9,6 +9,10 @@
 namespace oclair {
 using uint = std::uint32_t;
 using ulong = std::uint64_t;
+#else
+// PoCL contracts a*b-c into fma by default, which breaks the antisymmetry that watertight edges rest on (Woop et al. 2013).
+// Every kernel source includes this file first; where a fused operation is wanted, fma() is written.
+#pragma OPENCL FP_CONTRACT OFF
 #endif
 
 #define NONE 0xffffffffu         // no shape, no material, no light, no primitive

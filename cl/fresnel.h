@@ -1,0 +1,82 @@
+// Reflectance of smooth interfaces for unpolarised light: the mean of the s and p polarisations.
+#ifndef OCLAIR_FRESNEL_H
+#define OCLAIR_FRESNEL_H
+
+#include "vector.h"
+
+// An interface as seen from the side of the incident ray.
+typedef struct Interface {
+  float eta;             // transmitted over incident refractive index
+  float eta2;            // eta^2
+  float eta2_minus_one;  // without the cancellation of eta * eta - 1
+} Interface;
+
+// eta is back over front index; front says on which side the incident ray is. From behind, the index is 1 / eta, and both
+// sides follow from the one float without loss: 1 / eta^2 - 1 = -(eta^2 - 1) / eta^2.
+INLINE Interface interface_from_eta(float eta, bool front) {
+  Interface i;
+  float eta2 = eta * eta;
+  float eta2_minus_one = (eta - 1.0f) * (eta + 1.0f);
+  i.eta = front ? eta : 1.0f / eta;
+  i.eta2 = front ? eta2 : 1.0f / eta2;
+  i.eta2_minus_one = front ? eta2_minus_one : -eta2_minus_one / eta2;
+  return i;
+}
+
+typedef struct Fresnel {
+  float reflectance;
+  float transmittance;  // computed on its own: 1 - reflectance has no digits left at grazing incidence
+  float cos_t;          // cosine of the transmitted angle, >= 0; 0 under total reflection
+} Fresnel;
+
+// Exact Fresnel equations for cos_i in [0, 1]. Written in g = eta cos_t without a subtraction of nearly equal amplitudes: with
+// c = cos_i, r_s = (c - g)/(c + g) = -(eta^2 - 1)/(c + g)^2 and r_p = (eta^2 c - g)/(eta^2 c + g), whose numerator is
+// (eta^2 - 1)(eta^2 c^2 - s^2)/(eta^2 c + g). (Born and Wolf 1999, 1.5.2; the rearrangement is derived in docs/kernels.md.)
+INLINE Fresnel fresnel_dielectric(float cos_i, Interface i) {
+  Fresnel f = {1.0f, 0.0f, 0.0f};
+  float c = cos_i;
+  if (i.eta2_minus_one == 0.0f) {
+    f.reflectance = 0.0f;
+    f.transmittance = 1.0f;
+    f.cos_t = c;
+    return f;
+  }
+  float sin2 = (1.0f - c) * (1.0f + c);
+  float g2 = i.eta2 < 0.5f ? i.eta2 - sin2 : fma(c, c, i.eta2_minus_one);
+  if (!(g2 > 0.0f)) return f;  // total internal reflection
+  float g = sqrt(g2);
+  float p = c + g;
+  float q = fma(i.eta2, c, g);
+  float inverse_p2 = 1.0f / (p * p);
+  float inverse_q2 = 1.0f / (q * q);
+  float rs = i.eta2_minus_one * inverse_p2;
+  float rp = i.eta2_minus_one * fma(i.eta2 * c, c, -sin2) * inverse_q2;
+  f.reflectance = 0.5f * fma(rs, rs, rp * rp);
+  f.transmittance = 2.0f * c * g * fma(i.eta2, inverse_q2, inverse_p2);
+  f.cos_t = g / i.eta;
+  return f;
+}
+
+// Exact Fresnel equations for a conductor with complex index eta + i k relative to the medium outside (Born and Wolf 1999,
+// 14.2); hypot and the stable root of the quadratic keep it finite up to k = 1e19. cos_i in [0, 1].
+INLINE float fresnel_conductor(float cos_i, float eta, float k) {
+  float c2 = cos_i * cos_i;
+  float sin2 = (1.0f - cos_i) * (1.0f + cos_i);
+  float real = fma(eta - k, eta + k, -sin2);  // of (eta + i k)^2 - sin^2
+  float modulus = hypot(real, 2.0f * eta * k);
+  float a = real >= 0.0f ? sqrt(0.5f * (modulus + real)) : eta * k / sqrt(0.5f * (modulus - real));
+  float cross = 2.0f * a * cos_i;
+  float s_up = modulus + c2 - cross, s_down = modulus + c2 + cross;
+  float rs = s_down > 0.0f ? s_up / s_down : 0.0f;
+  float even = fma(modulus, c2, sin2 * sin2);
+  float p_up = fma(-cross, sin2, even), p_down = fma(cross, sin2, even);
+  float rp = p_down > 0.0f ? rs * (p_up / p_down) : 0.0f;
+  return 0.5f * (rs + rp);
+}
+
+INLINE float3 fresnel_conductor_rgb(float cos_i, float3 eta, float3 k) {
+  return (float3)(fresnel_conductor(cos_i, eta.x, k.x), fresnel_conductor(cos_i, eta.y, k.y),
+                  fresnel_conductor(cos_i, eta.z, k.z));
+}
+
+#endif

@@ -128,8 +128,9 @@ typedef struct Settings {
   float environment_probability;   // that light_select chooses it
 } Settings;
 
-#define FILM_FRACTION_BITS 54      // bits of a film sum below 2^film_exponent
-#define FILM_HEADROOM_BITS 40      // a sample of 2^(film_exponent + this) or more is rejected and counted
+#define FILM_FRACTION_BITS 54         // bits of a film sum below 2^film_exponent
+#define FILM_MOMENT_FRACTION_BITS 38  // bits of the root of a film square below 2^film_exponent
+#define FILM_HEADROOM_BITS 40         // a sample of 2^(film_exponent + this) or more is rejected and counted
 
 // Exact sums: 128-bit two's complement integers, least significant limb first. Integer addition is associative, so the film
 // depends only on the set of samples, not on their order. See docs/decisions/.
@@ -140,7 +141,7 @@ typedef struct FilmPixel {
 } FilmPixel;
 
 typedef struct FilmMoments {
-  ulong square[3][3];  // 192-bit sums of squares, in units of 2^(2 (film_exponent - FILM_FRACTION_BITS))
+  ulong square[3][3];  // 192-bit sums of squares, in units of 2^(2 (film_exponent - FILM_MOMENT_FRACTION_BITS))
 } FilmMoments;
 
 // Where a path stands between two stages.

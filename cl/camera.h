@@ -1,0 +1,53 @@
+// The pinhole camera.
+#ifndef OCLAIR_CAMERA_H
+#define OCLAIR_CAMERA_H
+
+#include "filter.h"
+#include "rng.h"
+
+// Moves a ray's origin forward to the box [-1, 1]^3 that holds the scene, if it lies outside: the conservative box test and the
+// triangle test then work on coordinates below 1, however far away the camera is. Leaves rays alone that miss the box.
+INLINE void camera_enter_scene(Ray *ray) {
+  float3 o = unpack3(ray->origin), d = unpack3(ray->direction);
+  float3 reciprocal = 1.0f / copysign(fmax(fabs(d), (float3)(0x1p-40f)), d);
+  float3 near = (-copysign((float3)(1.0f), d) - o) * reciprocal;
+  float enter = max_component(near);
+  if (!(enter > 0.0f)) return;
+  ray->origin = pack3(fma(d, (float3)(enter), o));
+  ray->t_max -= enter;
+}
+
+// Ray through film position (x, y) in pixels, between the clip planes.
+INLINE Ray camera_ray(const Camera *camera, float x, float y) {
+  float3 along = unpack3(camera->corner) + x * unpack3(camera->step_x) + y * unpack3(camera->step_y);
+  float stretch = length(along);  // per unit of depth
+  float3 d = along / stretch;
+  Ray ray;
+  ray.direction = pack3(d);
+  ray.origin = pack3(fma(d, (float3)(camera->near_clip * stretch), unpack3(camera->origin)));
+  ray.t_max = fmin((camera->far_clip - camera->near_clip) * stretch, INFINITE_DISTANCE);
+  ray.skip = NONE;
+  ray.target = NONE;
+  camera_enter_scene(&ray);
+  return ray;
+}
+
+// Ray of a sample of the pixel (x, y) of the full film.
+INLINE Ray camera_sample(const Scene *scene, uint x, uint y, ulong key) {
+  __global const Settings *settings = scene->settings;
+  float2 u = rng_2d(key, DIMENSION_FILM);
+  float radius = settings->filter_radius;
+  float2 center = (float2)(x + 0.5f, y + 0.5f);
+  float2 low = (float2)(settings->crop_x, settings->crop_y) - center;
+  float2 high = low + (float2)(settings->crop_width, settings->crop_height);
+  if (settings->sample_border) {
+    low = (float2)(-radius);
+    high = (float2)(radius);
+  }
+  float2 offset = (float2)(filter_sample(scene->filter, settings->filter_count, radius, low.x, high.x, u.x),
+                           filter_sample(scene->filter, settings->filter_count, radius, low.y, high.y, u.y));
+  Camera camera = *scene->camera;
+  return camera_ray(&camera, center.x + offset.x, center.y + offset.y);
+}
+
+#endif

@@ -1,0 +1,152 @@
+// Lights: choosing one, sampling a point on it, and the density of both for multiple importance sampling.
+#ifndef OCLAIR_LIGHT_H
+#define OCLAIR_LIGHT_H
+
+#include "mis.h"
+#include "surface.h"
+#include "warp.h"
+
+// A light as seen from a point.
+typedef struct LightSample {
+  float3 direction;    // unit, towards the light
+  float distance;      // to the end of the shadow ray, or INFINITE_DISTANCE
+  float3 weight;       // radiance (or its like for a delta) over the density; 0: nothing arrives
+  float pdf;           // per solid angle, selection included; 0 for a delta
+  uint primitive;      // on which the shadow ray ends, or NONE
+} LightSample;
+
+#define HAS_AREA_LIGHTS (HAS(TRIANGLE_LIGHTS) || HAS(QUADRIC_LIGHTS))
+#define HAS_LIGHTS (HAS_AREA_LIGHTS || HAS(POINT_LIGHTS) || HAS(DIRECTIONAL_LIGHTS) || HAS(CONSTANT_LIGHT))
+
+// First i with bits < cdf[i]: never a light of zero width. The last entry counts as 2^32.
+INLINE uint light_select(__global const uint *cdf, uint count, uint bits) {
+  uint low = 0, high = count - 1;
+  while (low < high) {
+    uint middle = low + (high - low) / 2;
+    if (bits < cdf[middle]) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+// Solid-angle density of an area density: pdf_area d^2 / cos. 0 where the surface is seen from behind or edge-on.
+INLINE float light_pdf_from_area(float pdf_area, float distance2, float cosine) {
+  return cosine > 0.0f ? pdf_area * distance2 / cosine : 0.0f;
+}
+
+// 1 - cos of the half angle under which a sphere of radius r is seen from distance d > r: without cancellation when it is small.
+INLINE float light_cone(float radius2, float distance2) {
+  float sin2 = radius2 / distance2;
+  return sin2 / (1.0f + sqrt(fmax(0.0f, 1.0f - sin2)));
+}
+
+// From here on a sphere is sampled by its cone of directions; nearer, or from inside, by its area.
+INLINE bool light_sees_cone(const Quadric *quadric, float3 from, float *radius2, float *distance2) {
+  if (quadric->kind != QUADRIC_SPHERE) return false;
+  float3 axis = unpack3(quadric->axis_x);
+  float3 d = unpack3(quadric->center) - from;
+  *radius2 = 1.0f / dot(axis, axis);
+  *distance2 = dot(d, d);
+  return *distance2 > 1.0001f * *radius2;
+}
+
+// Density, selection included, of reaching an area light by light_sample: for a ray from `from` that hit it at distance t, with
+// the cosine between its direction and the light's front normal there.
+INLINE float light_pdf(const Scene *scene, const Light *light, float3 from, float t, float cosine) {
+  if (HAS(QUADRIC_LIGHTS) && light->kind == LIGHT_QUADRIC) {
+    Quadric quadric = scene->quadrics[light->primitive & ~QUADRIC_BIT];
+    float radius2, distance2;
+    if (light_sees_cone(&quadric, from, &radius2, &distance2))
+      return light->probability * warp_cone_pdf(light_cone(radius2, distance2));
+    return light_pdf_from_area(light->probability / quadric.area, t * t, cosine);
+  }
+  return light_pdf_from_area(light->probability / light->area, t * t, cosine);
+}
+
+// Uniform point on a quadric by area: local coordinates.
+INLINE float3 quadric_sample(const Quadric *quadric, float2 u) {
+  if (HAS(DISKS) && quadric->kind == QUADRIC_DISK) {
+    float2 d = warp_disk(u);
+    return (float3)(d.x, d.y, 0.0f);
+  }
+  if (HAS(CYLINDERS) && quadric->kind == QUADRIC_CYLINDER) {
+    float2 d = warp_circle(u.y);
+    return (float3)(d.x, d.y, u.x);
+  }
+  return warp_sphere(u);
+}
+
+// Ends a light sample at a point of an area light that was chosen by area.
+INLINE LightSample light_from_area(const Light *light, float area, float3 from, float3 point, float3 error, float3 normal) {
+  LightSample s;
+  float3 d = point - from;
+  float distance2 = dot(d, d);
+  s.primitive = light->primitive;
+  s.direction = distance2 > 0.0f ? d * rsqrt(distance2) : (float3)(0.0f, 0.0f, 1.0f);
+  float cosine = -dot(normal, s.direction);
+  // In the area form nothing is divided by the cosine, which may be 0.
+  bool seen = cosine > 0.0f && distance2 > 0.0f;
+  s.weight = seen ? unpack3(light->radiance) * (cosine * area / (distance2 * light->probability)) : (float3)(0.0f);
+  s.pdf = seen ? light_pdf_from_area(light->probability / area, distance2, cosine) : 0.0f;
+  s.distance = length(surface_offset(point, error, normal, -s.direction) - from);
+  return s;
+}
+
+INLINE LightSample light_sample_quadric(const Scene *scene, const Light *light, float3 from, float2 u) {
+  Quadric quadric = scene->quadrics[light->primitive & ~QUADRIC_BIT];
+  float3 center = unpack3(quadric.center);
+  float radius2, distance2;
+  if (light_sees_cone(&quadric, from, &radius2, &distance2)) {
+    LightSample s;
+    float one_minus_cos = light_cone(radius2, distance2);
+    float3 cone = warp_cone(u, one_minus_cos);
+    s.direction = frame_to_world(frame_from_normal((center - from) * rsqrt(distance2)), cone);
+    // Nearest point along the direction: distance_to_centre cos - sqrt(r^2 - distance_to_centre^2 sin^2).
+    float sin2 = fmax(0.0f, (1.0f - cone.z) * (1.0f + cone.z));
+    s.distance = cone.z * sqrt(distance2) - sqrt(fmax(0.0f, radius2 - distance2 * sin2));
+    s.primitive = light->primitive;
+    s.pdf = light->probability * warp_cone_pdf(one_minus_cos);
+    s.weight = quadric.flip > 0.0f ? unpack3(light->radiance) / s.pdf : (float3)(0.0f);
+    return s;
+  }
+  float3 q = quadric_sample(&quadric, u);
+  float3 offset = quadric_to_world(&quadric, q);
+  float3 error = 16.0f * 0x1p-24f * (fabs(center) + length(offset));
+  return light_from_area(light, quadric.area, from, center + offset, error, quadric_normal(&quadric, q));
+}
+
+INLINE LightSample light_sample_triangle(const Light *light, float3 from, float2 u) {
+  float2 b = warp_triangle(u);
+  float3 v0 = unpack3(light->position), e1 = unpack3(light->edge1), e2 = unpack3(light->edge2);
+  float3 point = v0 + b.x * e1 + b.y * e2;
+  float3 error = SURFACE_ERROR * (fabs(v0) + fabs(b.x * e1) + fabs(b.y * e2));
+  return light_from_area(light, light->area, from, point, error, triangle_normal(e1, e2));
+}
+
+// Samples the light towards the point `from`. u in [0,1)^2.
+INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 from, float2 u) {
+  if (HAS(TRIANGLE_LIGHTS) && light->kind == LIGHT_TRIANGLE) return light_sample_triangle(light, from, u);
+  if (HAS(QUADRIC_LIGHTS) && light->kind == LIGHT_QUADRIC) return light_sample_quadric(scene, light, from, u);
+  LightSample s;
+  s.primitive = NONE;
+  s.distance = INFINITE_DISTANCE;
+  s.pdf = 0.0f;
+  s.weight = unpack3(light->radiance) / light->probability;
+  s.direction = -unpack3(light->position);
+  if (HAS(POINT_LIGHTS) && light->kind == LIGHT_POINT) {
+    float3 d = unpack3(light->position) - from;
+    float distance2 = dot(d, d);
+    bool apart = distance2 > 0.0f;
+    s.distance = sqrt(distance2);
+    s.direction = apart ? d / s.distance : (float3)(0.0f, 0.0f, 1.0f);
+    s.weight = apart ? s.weight / distance2 : (float3)(0.0f);
+  }
+  if (HAS(CONSTANT_LIGHT) && light->kind == LIGHT_CONSTANT) {
+    s.direction = warp_sphere(u);
+    s.weight /= warp_sphere_pdf();
+    s.pdf = light->probability * warp_sphere_pdf();
+  }
+  return s;
+}
+
+#endif

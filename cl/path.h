@@ -1,0 +1,153 @@
+// The path tracer: camera ray, then at each vertex emission, next-event estimation and a scattered ray, both strategies
+// joined by multiple importance sampling (Kajiya 1986; Veach 1997). Each stage is a function; the megakernel (path.cl) calls
+// them in a loop, stages.cl makes each a kernel of its own.
+#ifndef OCLAIR_PATH_H
+#define OCLAIR_PATH_H
+
+#include "bsdf.h"
+#include "camera.h"
+#include "film.h"
+#include "light.h"
+#include "traverse.h"
+
+#define HARD_DEPTH 4096u  // no path is longer: light trapped in a lossless box ends here (docs/kernels.md)
+#define ROULETTE_MIN 0.05f
+#define ROULETTE_MAX 0.95f
+
+INLINE uint dimension_of_vertex(uint depth, uint which) { return DIMENSION_VERTEX + depth * DIMENSIONS_PER_VERTEX + which; }
+
+INLINE PathState path_begin(const Scene *scene, uint x, uint y, ulong key) {
+  PathState path;
+  path.ray = camera_sample(scene, x, y, key);
+  path.throughput = pack3((float3)(1.0f));
+  path.radiance = pack3((float3)(0.0f));
+  path.eta = 1.0f;
+  path.pdf = 0.0f;
+  path.depth = 0;
+  path.hit_anything = 0;
+  path.alive = scene->settings->max_depth > 0u;
+  return path;
+}
+
+// Emitted light that the path's own ray found, weighted against light sampling, which could have found it too.
+INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) {
+  float weight = path->pdf > 0.0f ? mis_power(path->pdf, light_pdf) : 1.0f;
+  path->radiance = pack3(unpack3(path->radiance) + unpack3(path->throughput) * emitted * weight);
+}
+
+INLINE void path_escape(const Scene *scene, PathState *path) {
+  __global const Settings *settings = scene->settings;
+  path->alive = 0;
+  if (!HAS(CONSTANT_LIGHT) || (settings->hide_emitters && path->depth == 0u)) return;
+  path->hit_anything |= path->depth == 0u;
+  path_add_emission(path, unpack3(settings->environment), settings->environment_probability * warp_sphere_pdf());
+}
+
+INLINE void path_emission(const Scene *scene, PathState *path, Hit hit, const Surface *surface, Shape shape) {
+  if (!HAS_AREA_LIGHTS || shape.first_light == NONE || !surface->front) return;
+  uint index = shape.first_light + ((hit.primitive & QUADRIC_BIT) ? 0u : hit.primitive - shape.first_triangle);
+  Light light = scene->lights[index];
+  float cosine = dot(surface->geometric, -unpack3(path->ray.direction));
+  float pdf = path->pdf > 0.0f ? light_pdf(scene, &light, unpack3(path->ray.origin), hit.t, cosine) : 0.0f;
+  path_add_emission(path, unpack3(light.radiance), pdf);
+}
+
+// Next-event estimation: the shadow ray to a point of a light chosen by power.
+INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, const Surface *surface, uint primitive,
+                                 const Material *material, ulong key) {
+  ShadowRay shadow;
+  shadow.contribution = pack3((float3)(0.0f));
+  __global const Settings *settings = scene->settings;
+  if (!HAS_LIGHTS || settings->light_count == 0u) return shadow;
+  uint which = light_select(scene->light_cdf, settings->light_count,
+                            (uint)(rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT)) >> 32));
+  Light light = scene->lights[which];
+  LightSample sample =
+      light_sample(scene, &light, surface->position, rng_2d(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
+  float3 wi = frame_to_local(surface->frame, sample.direction);
+  if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
+  float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
+  shadow.contribution = pack3(unpack3(path->throughput) * bsdf_eval(material, wi) * sample.weight * weight);
+  shadow.ray.origin = pack3(surface_offset(surface->position, surface->error, surface->geometric, sample.direction));
+  shadow.ray.direction = pack3(sample.direction);
+  shadow.ray.t_max = sample.distance;
+  shadow.ray.skip = primitive;
+  shadow.ray.target = sample.primitive;
+  return shadow;
+}
+
+// Scatters the path: its next ray, or its end.
+INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *surface, uint primitive, const Material *material,
+                         float3 wo, ulong key) {
+  float2 u = rng_2d(key, dimension_of_vertex(path->depth, DIMENSION_SCATTER));
+  Scatter scatter = bsdf_sample(material, wo, surface->front, u);
+  float3 wi = renormalize(frame_to_world(surface->frame, scatter.wi));
+  // With interpolated normals a direction can end on the wrong side of the true surface: it is rejected.
+  float side = dot(surface->geometric, wi) * scatter.wi.z;
+  float3 throughput = unpack3(path->throughput) * scatter.weight;
+  if (!(side > 0.0f) || !(max_component(throughput) > 0.0f)) {
+    path->alive = 0;
+    return;
+  }
+  path->eta *= scatter.eta;
+  path->pdf = scatter.pdf;
+  path->ray.origin = pack3(surface_offset(surface->position, surface->error, surface->geometric, wi));
+  path->ray.direction = pack3(wi);
+  path->ray.t_max = INFINITE_DISTANCE;
+  path->ray.skip = primitive;
+  path->depth += 1;
+
+  // Russian roulette by the throughput, without the radiance scaling of the media that the path is in. Never by radiance: then
+  // emission times 2^k would change the paths.
+  if (path->depth >= scene->settings->rr_depth) {
+    float q = clamp(max_component(throughput) * path->eta * path->eta, ROULETTE_MIN, ROULETTE_MAX);
+    float survive = rng_unit((uint)rng_bits(key, dimension_of_vertex(path->depth - 1u, DIMENSION_LIGHT)));
+    if (survive >= q) path->alive = 0;
+    throughput /= q;
+  }
+  path->throughput = pack3(throughput);
+}
+
+// One vertex of the path: what the ray found, the shadow ray to trace (its contribution is 0 if there is none), the next ray.
+INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong key) {
+  ShadowRay none;
+  none.contribution = pack3((float3)(0.0f));
+  if (hit.primitive == NONE) {
+    path_escape(scene, path);
+    return none;
+  }
+  Surface surface = surface_from_hit(scene, &path->ray, hit);
+  Shape shape = scene->shapes[surface.shape];
+  path->hit_anything |= path->depth == 0u;
+  if (!(scene->settings->hide_emitters && path->depth == 0u)) path_emission(scene, path, hit, &surface, shape);
+
+  uint material_index = surface.front ? shape.material_front : shape.material_back;
+  if (material_index == NONE || path->depth + 1u >= min(scene->settings->max_depth, HARD_DEPTH)) {
+    path->alive = 0;
+    return none;
+  }
+  Material material = scene->materials[material_index];
+  float3 wo = frame_to_local(surface.frame, -unpack3(path->ray.direction));
+  ShadowRay shadow = bsdf_is_delta(&material) ? none : path_shadow_ray(scene, path, &surface, hit.primitive, &material, key);
+  path_scatter(scene, path, &surface, hit.primitive, &material, wo, key);
+  return shadow;
+}
+
+INLINE bool path_has_shadow_ray(const ShadowRay *shadow) { return max_component(unpack3(shadow->contribution)) > 0.0f; }
+
+INLINE void path_add_light(PathState *path, const ShadowRay *shadow) {
+  path->radiance = pack3(unpack3(path->radiance) + unpack3(shadow->contribution));
+}
+
+// A whole path: radiance along the camera ray of one sample.
+INLINE PathState path_trace(const Scene *scene, uint x, uint y, ulong key) {
+  PathState path = path_begin(scene, x, y, key);
+  while (path.alive) {
+    Hit hit = traverse_closest(scene, &path.ray);
+    ShadowRay shadow = path_shade(scene, &path, hit, key);
+    if (path_has_shadow_ray(&shadow) && !traverse_any(scene, &shadow.ray)) path_add_light(&path, &shadow);
+  }
+  return path;
+}
+
+#endif

@@ -1,0 +1,37 @@
+// The kernel's buffers, gathered once at the entry; everything below takes `const Scene *`. A buffer that no feature of the
+// scene reads is not made: its argument is NULL.
+#ifndef OCLAIR_SCENE_H
+#define OCLAIR_SCENE_H
+
+#include "features.h"
+#include "vector.h"
+
+typedef struct Scene {
+  __global const BvhNode *nodes;
+  __global const TriangleBlock *blocks;
+  __global const Quadric *quadrics;
+  __global const Shape *shapes;
+  __global const uint *triangle_shape;             // shape of each triangle
+  __global const packed_uint3 *triangle_vertices;  // indices into normals; only with SMOOTH_NORMALS
+  __global const packed_float3 *normals;           // likewise
+  __global const Material *materials;
+  __global const Light *lights;
+  __global const uint *light_cdf;     // light i is chosen by 32-bit numbers in [cdf[i - 1], cdf[i]); the last entry is 2^32 - 1
+  __global const float2 *filter;      // see filter.h
+  __global const Camera *camera;
+  __global const Settings *settings;
+} Scene;
+
+// The list of arguments of every kernel that needs the scene, and how it becomes the struct. Host twin: bind_scene in
+// host/upload.cpp, by position.
+#define SCENE_ARGUMENTS                                                                                            \
+  __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Quadric *quadrics,           \
+      __global const Shape *shapes, __global const uint *triangle_shape,                                           \
+      __global const packed_uint3 *triangle_vertices, __global const packed_float3 *normals,                       \
+      __global const Material *materials, __global const Light *lights, __global const uint *light_cdf,            \
+      __global const float2 *filter, __global const Camera *camera, __global const Settings *settings
+#define SCENE_FROM_ARGUMENTS                                                                                    \
+  {nodes, blocks, quadrics, shapes, triangle_shape, triangle_vertices, normals, materials, lights, light_cdf, filter, camera, \
+   settings}
+
+#endif

@@ -1,0 +1,93 @@
+// The point that a ray has hit, as shading needs it.
+#ifndef OCLAIR_SURFACE_H
+#define OCLAIR_SURFACE_H
+
+#include "quadric.h"
+#include "ray.h"
+#include "scene.h"
+
+typedef struct Surface {
+  float3 position;
+  float3 error;      // bound of the rounding error of each coordinate
+  float3 geometric;  // unit normal of the true surface, on the side of the ray's origin
+  Frame frame;       // z: shading normal, on the same side
+  uint shape;
+  bool front;        // that side is the front side
+} Surface;
+
+// v0 + b1 e1 + b2 e2 with 7 roundings of the products |b_i v_i|, and 1 when the offset is added (Pharr, Jakob, Humphreys
+// 2016, 3.9.4: gamma(7)); a gamma is n u / (1 - n u), u = 2^-24.
+#define SURFACE_ERROR (8.00001f * 0x1p-24f)
+
+// Vertex `i` of the triangle in `slot` (Hit::slot).
+INLINE float3 triangle_vertex(const Scene *scene, uint slot, uint i) {
+  __global const TriangleBlock *block = scene->blocks + slot / BVH_WIDTH;
+  uint lane = slot % BVH_WIDTH;
+  return (float3)(block->vertex[i][0][lane], block->vertex[i][1][lane], block->vertex[i][2][lane]);
+}
+
+// Unit front normal of a triangle, exact to a few ulp for slivers too.
+INLINE float3 triangle_normal(float3 edge1, float3 edge2) {
+  float3 n = cross_exact(edge1, edge2);
+  return normalize(n * (1.0f / max_component(fabs(n))));  // squares of lengths below 1e-19 would underflow
+}
+
+INLINE Surface surface_on_triangle(const Scene *scene, Hit hit) {
+  Surface s;
+  float3 v0 = triangle_vertex(scene, hit.slot, 0), v1 = triangle_vertex(scene, hit.slot, 1), v2 = triangle_vertex(scene, hit.slot, 2);
+  float b0 = 1.0f - hit.b1 - hit.b2;
+  float3 p0 = b0 * v0, p1 = hit.b1 * v1, p2 = hit.b2 * v2;
+  s.position = p0 + p1 + p2;
+  s.error = SURFACE_ERROR * (fabs(p0) + fabs(p1) + fabs(p2));
+  s.geometric = triangle_normal(v1 - v0, v2 - v0);
+  s.frame.z = s.geometric;
+  s.shape = scene->triangle_shape[hit.primitive];
+  if (HAS(SMOOTH_NORMALS) && scene->shapes[s.shape].smooth) {
+    packed_uint3 i = scene->triangle_vertices[hit.primitive];
+    float3 n = b0 * unpack3(scene->normals[i.x]) + hit.b1 * unpack3(scene->normals[i.y]) + hit.b2 * unpack3(scene->normals[i.z]);
+    float length2 = dot(n, n);
+    if (length2 > 1e-12f) s.frame.z = n * rsqrt(length2);  // opposite vertex normals cancel: the geometric one stands
+  }
+  return s;
+}
+
+INLINE Surface surface_on_quadric(const Scene *scene, const Ray *ray, Hit hit) {
+  Surface s;
+  Quadric quadric = scene->quadrics[hit.primitive & ~QUADRIC_BIT];
+  float3 center = unpack3(quadric.center);
+  float3 q = quadric_to_local(&quadric, fma(unpack3(ray->direction), (float3)(hit.t), unpack3(ray->origin) - center));
+  q = quadric_project(&quadric, q);
+  float3 offset = quadric_to_world(&quadric, q);
+  s.position = center + offset;
+  // Projection and the map to the world take fewer than 16 roundings of the offset's length, the sum one of the centre.
+  s.error = 16.0f * 0x1p-24f * (fabs(center) + length(offset));
+  s.geometric = quadric_normal(&quadric, q);
+  s.frame.z = s.geometric;
+  s.shape = quadric.shape;
+  return s;
+}
+
+// The hit of a ray, its normals turned to the side that the ray comes from. Where the interpolated normal faces away from the ray, the
+// geometric one takes its place (the silhouettes of coarse meshes).
+INLINE Surface surface_from_hit(const Scene *scene, const Ray *ray, Hit hit) {
+  bool on_quadric = (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS)) && (hit.primitive & QUADRIC_BIT);
+  Surface s;
+  if (HAS(TRIANGLES) && !on_quadric) s = surface_on_triangle(scene, hit);
+  else s = surface_on_quadric(scene, ray, hit);
+  float3 wo = -unpack3(ray->direction);
+  s.front = dot(s.geometric, wo) >= 0.0f;
+  float3 geometric = s.front ? s.geometric : -s.geometric;
+  float3 shading = s.front ? s.frame.z : -s.frame.z;
+  s.geometric = geometric;
+  s.frame = frame_from_normal(dot(shading, wo) > 0.0f ? shading : geometric);
+  return s;
+}
+
+// Where a ray that leaves the surface in direction w starts: moved off the surface, to w's side, by the bound of the rounding
+// error along the normal (Pharr, Jakob, Humphreys 2016, 3.9.5). The primitive itself is left out by Ray::skip.
+INLINE float3 surface_offset(float3 position, float3 error, float3 normal, float3 w) {
+  float distance = dot(fabs(normal), error);
+  return position + normal * (dot(normal, w) >= 0.0f ? distance : -distance);
+}
+
+#endif

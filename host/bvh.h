@@ -1,0 +1,33 @@
+// The wide BVH over triangles and quadrics: Embree builds the tree, this lays it out as cl/types.h says.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "scene.h"
+
+namespace oclair {
+
+struct Bvh {
+  int width = 8;
+  std::vector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
+  std::vector<std::byte> blocks;  // TriangleBlock<width>
+  std::size_t node_count = 0;
+  std::size_t block_count = 0;
+  int depth = 0;                  // nodes on the longest way from the root to a leaf
+
+  // Entries that traversal needs at most, (width - 1) depth + 1, rounded up to a power of two >= 64, so that few scenes
+  // compile a kernel of their own.
+  int stack_size() const;
+};
+
+// Boxes are padded by this, in canonical lengths, so that the plain slab test of cl/traverse.h never misses what the triangle
+// test would hit. With u = 2^-24, |origin| <= 1 and |bound - origin| <= 2 per axis (camera_enter_scene), the slab's fma form
+// errs by (|o| + 2 |b - o|) u = 5 u as a displacement of the plane, and the sheared vertices of the triangle test by 10 u: 15 u < 2^-20.
+inline constexpr float box_padding = 0x1p-20f;
+
+// width: 4 or 8. Throws Error(Exit::render_failed) if Embree cannot build it. An empty scene gives one node without children.
+Bvh build_bvh(const Scene& scene, int width);
+
+}  // namespace oclair

@@ -1,0 +1,23 @@
+// From the film's exact sums to numbers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "render.h"
+
+namespace oclair {
+
+// Mean radiance of a pixel over its accepted samples, W/(m^2 sr); 0 without any. Rounded once.
+std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel);
+
+// Mean of the squares, likewise. Only if the film has moments.
+std::array<double, 3> pixel_mean_square(const Film& film, std::size_t pixel);
+
+// Share of the accepted samples that met something, in [0, 1].
+double pixel_alpha(const Film& film, std::size_t pixel);
+
+// Samples left out in all pixels: not finite, negative, or too large.
+std::uint64_t rejected_samples(const Film& film);
+
+}  // namespace oclair

@@ -1,0 +1,91 @@
+#include "render.h"
+
+#include <algorithm>
+
+#include "error.h"
+
+namespace oclair {
+namespace {
+
+// PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
+constexpr std::size_t max_launch = 65472;
+
+Error device_error(const Device& device, const cl::Error& error) {
+  return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
+}
+
+std::size_t padded_pixels(const Settings& settings) {
+  const std::size_t across = (settings.crop_width + TILE_WIDTH - 1) / TILE_WIDTH;
+  const std::size_t down = (settings.crop_height + TILE_WIDTH - 1) / TILE_WIDTH;
+  return across * down * WORK_GROUP_SIZE;
+}
+
+cl::Buffer zeroed(const Device& device, std::size_t bytes) {
+  if (bytes == 0) return {};
+  cl::Buffer buffer(device.context, CL_MEM_READ_WRITE, bytes);
+  device.queue.enqueueFillBuffer(buffer, cl_ulong{0}, 0, bytes);
+  return buffer;
+}
+
+}  // namespace
+
+KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) { return {scene.features, bvh.width, bvh.stack_size()}; }
+
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {
+  const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
+  check_memory(device, plan, film_bytes(scene.settings) + moment_bytes(scene));
+  try {
+    Renderer renderer{&device, scene.settings, upload(device, plan), zeroed(device, film_bytes(scene.settings)),
+                      zeroed(device, moment_bytes(scene)), {}, 0};
+    renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
+    const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
+    renderer.kernel.setArg(next, renderer.film);
+    renderer.kernel.setArg(next + 1, renderer.moments);
+    device.queue.finish();
+    return renderer;
+  } catch (const cl::Error& error) {
+    throw device_error(device, error);
+  }
+}
+
+void render_pass(Renderer& renderer, uint samples, const std::function<void(std::size_t, std::size_t)>& progress) {
+  const std::size_t count = padded_pixels(renderer.settings);
+  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 2;
+  const cl::CommandQueue& queue = renderer.device->queue;
+  try {
+    for (std::size_t base = 0; base < count; base += max_launch) {
+      const std::size_t items = std::min(max_launch, count - base);
+      renderer.kernel.setArg(first, static_cast<cl_uint>(base));
+      renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.samples));
+      renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
+      queue.enqueueNDRangeKernel(renderer.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
+      queue.finish();
+      if (progress) progress(base + items, count);
+    }
+  } catch (const cl::Error& error) {
+    throw device_error(*renderer.device, error);
+  }
+  renderer.samples += samples;
+}
+
+Film read_film(const Renderer& renderer) {
+  Film film;
+  film.width = renderer.settings.crop_width;
+  film.height = renderer.settings.crop_height;
+  film.exponent = renderer.settings.film_exponent;
+  film.samples = renderer.samples;
+  const std::size_t count = std::size_t{film.width} * film.height;
+  film.pixels.resize(count);
+  try {
+    renderer.device->queue.enqueueReadBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
+    if (renderer.moments()) {
+      film.moments.resize(count);
+      renderer.device->queue.enqueueReadBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
+    }
+  } catch (const cl::Error& error) {
+    throw device_error(*renderer.device, error);
+  }
+  return film;
+}
+
+}  // namespace oclair

@@ -1,0 +1,41 @@
+// Renders a scene: compiles its kernel, runs passes, keeps the film on the device.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "upload.h"
+
+namespace oclair {
+
+// The film as the device leaves it, row by row over the crop window.
+struct Film {
+  uint width = 0, height = 0;
+  int exponent = 0;             // Settings::film_exponent
+  std::uint64_t samples = 0;    // per pixel, rejected ones included
+  std::vector<FilmPixel> pixels;
+  std::vector<FilmMoments> moments;  // empty without FEATURE_MOMENTS
+};
+
+struct Renderer {
+  const Device* device;
+  Settings settings;
+  std::vector<cl::Buffer> scene;
+  cl::Buffer film, moments;
+  cl::Kernel kernel;
+  std::uint64_t samples = 0;  // per pixel, so far
+};
+
+KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
+
+// Compiles and uploads. The device must outlive the renderer. Throws Error(Exit::device).
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh);
+
+// Adds `samples` samples to every pixel. `progress(done, total)` is called after each launch, with launches counted; if it
+// returns false the pass is finished all the same, without further calls. Throws Error(Exit::device).
+void render_pass(Renderer& renderer, uint samples, const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+Film read_film(const Renderer& renderer);
+
+}  // namespace oclair

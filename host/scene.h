@@ -1,0 +1,48 @@
+// The scene as the kernels read it: vectors of the structs of cl/types.h, in the canonical frame, byte for byte what is
+// uploaded. Vectors that no feature of the scene reads stay empty, and no buffer is made of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "../cl/features.h"
+#include "frame.h"
+#include "world.h"
+
+namespace oclair {
+
+struct Scene {
+  CanonicalFrame frame;
+  std::uint32_t features = 0;  // FEATURE_ bits
+
+  // Input of the BVH, which keeps what it needs of them.
+  std::vector<packed_float3> positions;
+  std::vector<packed_uint3> triangles;   // indices into positions; none has zero area
+  std::uint64_t degenerate_triangles = 0;  // left out
+
+  std::vector<Quadric> quadrics;
+  std::vector<Shape> shapes;
+  std::vector<uint> triangle_shape;
+  std::vector<packed_uint3> triangle_vertices;  // with SMOOTH_NORMALS: indices into normals, 0 0 0 for flat shapes
+  std::vector<packed_float3> normals;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
+  std::vector<uint> light_cdf;
+  std::vector<std::array<float, 2>> filter;
+  Camera camera{};
+  Settings settings{};
+};
+
+// Takes the world apart as it goes. Throws Error(Exit::scene) if the scene exceeds what the structs can number.
+Scene place_scene(World world);
+
+// Cumulative distribution in units of 2^-32 with entry i - 1 <= x < entry i for item i; every item gets at least one unit,
+// so that none is lost however small its weight. Weights > 0; at most 2^31 of them. The last entry stands for 2^32.
+std::vector<uint> distribution(const std::vector<double>& weights);
+
+// Table of cl/filter.h.
+std::vector<std::array<float, 2>> filter_table(FilterKind kind, double radius, double stddev);
+
+}  // namespace oclair

@@ -1,0 +1,73 @@
+#include "upload.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "error.h"
+
+namespace oclair {
+namespace {
+
+template <class T>
+BufferPlan plan_of(const char* name, const std::vector<T>& values) {
+  return {name, values.data(), values.size() * sizeof(T)};
+}
+
+std::size_t pixels(const Settings& settings) { return std::size_t{settings.crop_width} * settings.crop_height; }
+
+}  // namespace
+
+std::vector<BufferPlan> plan_buffers(const Scene& scene, const Bvh& bvh) {
+  return {plan_of("nodes", bvh.nodes),
+          plan_of("triangle blocks", bvh.blocks),
+          plan_of("quadrics", scene.quadrics),
+          plan_of("shapes", scene.shapes),
+          plan_of("triangle shapes", scene.triangle_shape),
+          plan_of("triangle vertices", scene.triangle_vertices),
+          plan_of("normals", scene.normals),
+          plan_of("materials", scene.materials),
+          plan_of("lights", scene.lights),
+          plan_of("light distribution", scene.light_cdf),
+          plan_of("filter", scene.filter),
+          {"camera", &scene.camera, sizeof(Camera)},
+          {"settings", &scene.settings, sizeof(Settings)}};
+}
+
+std::size_t film_bytes(const Settings& settings) { return pixels(settings) * sizeof(FilmPixel); }
+
+std::size_t moment_bytes(const Scene& scene) {
+  return scene.features & FEATURE_MOMENTS ? pixels(scene.settings) * sizeof(FilmMoments) : 0;
+}
+
+void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film) {
+  const std::size_t largest_allowed = device.device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+  const std::size_t all_allowed = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+  const auto mib = [](std::size_t bytes) { return std::to_string((bytes + 0xfffff) >> 20) + " MiB"; };
+  const auto check = [&](const std::string& name, std::size_t bytes, std::size_t allowed) {
+    if (bytes > allowed)
+      throw Error(Exit::device, "device memory: " + name + " takes " + mib(bytes) + ", expected at most " + mib(allowed) + " on " +
+                                    device.name);
+  };
+  for (const BufferPlan& buffer : plan) check("buffer \"" + buffer.name + "\"", buffer.bytes, largest_allowed);
+  check("buffer \"film\"", film, largest_allowed);
+  check("the scene with its film",
+        std::accumulate(plan.begin(), plan.end(), film, [](std::size_t sum, const BufferPlan& b) { return sum + b.bytes; }),
+        all_allowed);
+}
+
+std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan) {
+  std::vector<cl::Buffer> buffers;
+  for (const BufferPlan& buffer : plan)
+    buffers.push_back(buffer.bytes == 0 ? cl::Buffer()
+                                        : cl::Buffer(device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, buffer.bytes,
+                                                     const_cast<void*>(buffer.data)));
+  return buffers;
+}
+
+cl_uint bind_scene(cl::Kernel& kernel, const std::vector<cl::Buffer>& buffers) {
+  cl_uint index = 0;
+  for (const cl::Buffer& buffer : buffers) kernel.setArg(index++, buffer);
+  return index;
+}
+
+}  // namespace oclair

@@ -1,0 +1,36 @@
+// The scene on the device: which buffers, how large, and the arguments of the kernels that read them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "bvh.h"
+#include "device.h"
+#include "scene.h"
+
+namespace oclair {
+
+// One buffer of the scene. Without bytes it is not made, and the kernel gets NULL.
+struct BufferPlan {
+  std::string name;
+  const void* data;
+  std::size_t bytes;
+};
+
+// In the order of SCENE_ARGUMENTS (cl/scene.h). Points into scene and bvh.
+std::vector<BufferPlan> plan_buffers(const Scene& scene, const Bvh& bvh);
+
+// Bytes of the film's buffers, which the device fills: pixels, and second moments if the scene asks for them.
+std::size_t film_bytes(const Settings& settings);
+std::size_t moment_bytes(const Scene& scene);
+
+// Throws Error(Exit::device) if a buffer exceeds what the device allocates at once, or all of them its memory.
+void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film);
+
+std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan);
+
+// Sets the kernel's first arguments to the buffers; returns the index of the next argument.
+cl_uint bind_scene(cl::Kernel& kernel, const std::vector<cl::Buffer>& buffers);
+
+}  // namespace oclair

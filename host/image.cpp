@@ -131,7 +131,8 @@ void write_exr(const fs::path& path, const ImageWindow& window, const ImageChann
   for (const auto& [name, channel] : channels) {
     assert(covers(channel, std::size_t{window.crop_width} * window.crop_height));
     const std::size_t step = channel.stride * sizeof(float);
-    pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), header.dataWindow(), step, step * window.crop_width));
+    pixels.insert(name,
+                  Imf::Slice::Make(Imf::FLOAT, channel.values.data(), header.dataWindow(), step, step * window.crop_width));
   }
   FileAside aside(path);
   ExrStream stream(aside.file(), path.string());

@@ -1,5 +1,5 @@
-// What the program is doing, phase by phase, for a person who waits. On a terminal the line of the running phase is rewritten
-// in place, with a bar where the amount of work is known; anywhere else each phase is one line.
+// What the program is doing, phase by phase, for a person who waits. On a terminal the line of the running phase is
+// rewritten in place, with a bar where the amount of work is known; anywhere else each phase is one line.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,8 @@ TEST(command_test, help_goes_to_stdout_and_succeeds) {
 
 TEST(command_test, help_of_render_lists_every_option) {
   const std::string help = run_oclair({"render", "--help"}).out;
-  for (const char* option : {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--device", "-D,--define"}) {
+  for (const char* option :
+       {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--device", "-D,--define"}) {
     EXPECT_NE(help.find(option), std::string::npos) << option;
   }
 }

@@ -31,9 +31,12 @@ ExrFile read_exr(const std::filesystem::path& path) {
 
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
     const Imf::Attribute* value = &attribute.attribute();
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(value)) result.attributes[attribute.name()] = text->value();
-    if (const auto* number = dynamic_cast<const Imf::IntAttribute*>(value)) result.attributes[attribute.name()] = number->value();
-    if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(value)) result.attributes[attribute.name()] = number->value();
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(value))
+      result.attributes[attribute.name()] = text->value();
+    if (const auto* number = dynamic_cast<const Imf::IntAttribute*>(value))
+      result.attributes[attribute.name()] = number->value();
+    if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(value))
+      result.attributes[attribute.name()] = number->value();
   }
   result.has_srgb_chromaticities = Imf::hasChromaticities(header) && Imf::chromaticities(header) == Imf::Chromaticities();
   return result;

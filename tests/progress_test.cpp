@@ -1,10 +1,10 @@
+#include "../host/progress.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 #include <utility>
-
-#include "../host/progress.h"
 
 namespace {
 

@@ -25,7 +25,7 @@ struct FilmSize {
 struct RenderOptions {
   std::filesystem::path scene;
   Definitions definitions;
-  std::string device;  // name or index as `oclair devices` lists them; empty: the first
+  std::string device;                             // name or index as `oclair devices` lists them; empty: the first
   std::optional<std::filesystem::path> exr, png;  // at least one
   std::optional<std::uint64_t> samples_per_pixel;
   std::optional<FilmSize> size;

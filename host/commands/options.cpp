@@ -39,7 +39,8 @@ void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& defini
 }
 
 void add_device(CLI::App& line, std::string& device) {
-  line.add_option("--device", device, "OpenCL device, by index or part of its name: see `oclair devices`")->type_name("DEVICE");
+  line.add_option("--device", device, "OpenCL device, by index or part of its name: see `oclair devices`")
+      ->type_name("DEVICE");
 }
 
 std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most) {

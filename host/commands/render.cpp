@@ -21,9 +21,11 @@ void choose_files(const Outputs& outputs, RenderOptions& options) {
   const fs::path output = outputs.output.empty() ? options.scene.stem() += ".exr" : fs::path(outputs.output);
   if (output.extension() == ".exr") {
     options.exr = output;
-    if (outputs.png) options.png = outputs.png_file.empty() ? fs::path(output).replace_extension(".png") : fs::path(outputs.png_file);
+    if (outputs.png)
+      options.png = outputs.png_file.empty() ? fs::path(output).replace_extension(".png") : fs::path(outputs.png_file);
   } else if (output.extension() == ".png") {
-    if (outputs.png) throw Error(Exit::usage, "--output '" + output.string() + "': expected a name in .exr when there is --png");
+    if (outputs.png)
+      throw Error(Exit::usage, "--output '" + output.string() + "': expected a name in .exr when there is --png");
     options.png = output;
   } else {
     throw Error(Exit::usage, "--output '" + output.string() + "': expected a name in .exr or .png");
@@ -49,10 +51,14 @@ Command render_command(CLI::App& program) {
   const auto outputs = std::make_shared<Outputs>();
   CLI::App& line = *program.add_subcommand("render", "Renders a scene to an image file");
   add_scene(line, options->scene, options->definitions);
-  line.add_option("-o,--output", outputs->output, "image to write: .exr, or .png alone; default: the scene's name, here, in .exr")
+  line.add_option("-o,--output", outputs->output,
+                  "image to write: .exr, or .png alone; default: the scene's name, here, in .exr")
       ->type_name("FILE");
-  line.add_option("--png", outputs->png_file, "write a PNG too; without a name: beside the EXR")->type_name("[FILE]")->expected(0, 1);
-  const auto number = [&line](const char* name, std::uint64_t least, std::uint64_t most, const char* description, auto store) {
+  line.add_option("--png", outputs->png_file, "write a PNG too; without a name: beside the EXR")
+      ->type_name("[FILE]")
+      ->expected(0, 1);
+  const auto number = [&line](const char* name, std::uint64_t least, std::uint64_t most, const char* description,
+                              auto store) {
     line.add_option_function<std::string>(
             name, [=](const std::string& given) { store(whole_number(name, given, least, most)); }, description)
         ->type_name("N");

@@ -1,18 +1,15 @@
 #include "document.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <fstream>
-#include <glm/gtc/matrix_access.hpp>
 #include <map>
 #include <pugixml.hpp>
 #include <set>
 
 #include "error.h"
-#include "number.h"
 #include "substitution.h"
-#include "transform.h"
+#include "value.h"
+#include "xml_source.h"
 
 namespace oclair {
 
@@ -28,14 +25,6 @@ constexpr std::size_t MAX_PROPERTIES = 100;             // of one element: they 
 
 const std::set<std::string> OBJECT_TAGS = {"bsdf", "emitter", "film", "integrator", "rfilter", "sampler", "sensor", "shape"};
 
-// One XML file while it is read.
-struct Source {
-  std::string name;  // as messages show it
-  fs::path file;
-  std::vector<std::size_t> lines;  // offsets of the newlines
-  std::vector<fs::path> search_path;
-};
-
 struct Parser {
   Document document;
   Substitution substitution;
@@ -43,167 +32,6 @@ struct Parser {
   std::vector<fs::path> open_files;  // the chain of includes, canonical
   std::size_t text_bytes = 0;
 };
-
-std::string where(const Source& source, std::ptrdiff_t offset) {
-  const auto line = std::lower_bound(source.lines.begin(), source.lines.end(),
-                                     static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)));
-  return source.name + ":" + std::to_string(line - source.lines.begin() + 1);
-}
-
-std::string where(const Source& source, pugi::xml_node node) { return where(source, node.offset_debug()); }
-
-std::string in_brackets(pugi::xml_node node) { return std::string("<") + node.name() + ">"; }
-
-// Refuses attributes that are not listed and the absence of those marked with '!'.
-void check_attributes(const Source& source, pugi::xml_node node, std::initializer_list<const char*> allowed) {
-  std::string list;
-  for (const char* name : allowed) list += (list.empty() ? "" : ", ") + std::string(name + (*name == '!'));
-  std::set<std::string> seen;
-  for (const auto attribute : node.attributes()) {
-    if (std::none_of(allowed.begin(), allowed.end(),
-                     [&](const char* name) { return std::string(name + (*name == '!')) == attribute.name(); }))
-      refuse(where(source, node), "attribute \"" + std::string(attribute.name()) + "\" of " + in_brackets(node) +
-                                      " is not supported (supported: " + list + ")");
-    if (!seen.insert(attribute.name()).second)
-      refuse(where(source, node),
-             "attribute \"" + std::string(attribute.name()) + "\" of " + in_brackets(node) + " is given twice");
-  }
-  for (const char* name : allowed)
-    if (*name == '!' && !node.attribute(name + 1))
-      refuse(where(source, node), in_brackets(node) + " lacks the attribute \"" + (name + 1) + "\"");
-}
-
-void refuse_children(const Source& source, pugi::xml_node node) {
-  for (const auto child : node.children())
-    if (child.type() != pugi::node_comment && child.type() != pugi::node_pi)
-      refuse(where(source, child), "nothing may be nested in " + in_brackets(node));
-}
-
-double number_of(const Source& source, pugi::xml_node node, std::string_view text) {
-  const auto number = parse_number(text);
-  if (!number) refuse(where(source, node), in_brackets(node) + ": \"" + std::string(text) + "\" is not a finite number");
-  return *number;
-}
-
-// A list of exactly that many numbers.
-std::vector<double> numbers_of(const Source& source, pugi::xml_node node, const char* attribute,
-                               std::initializer_list<std::size_t> counts) {
-  const auto parts = split_list(node.attribute(attribute).value());
-  if (std::find(counts.begin(), counts.end(), parts.size()) == counts.end()) {
-    std::string expected;
-    for (const auto count : counts) expected += (expected.empty() ? "" : " or ") + std::to_string(count);
-    refuse(where(source, node), in_brackets(node) + ": \"" + attribute + "\" holds " + std::to_string(parts.size()) +
-                                    " numbers, " + expected + " are expected");
-  }
-  std::vector<double> numbers;
-  for (const auto part : parts) numbers.push_back(number_of(source, node, part));
-  return numbers;
-}
-
-// value="a b c" or value="a" or x, y, z; components that are not given become `missing`.
-glm::dvec3 triple_of(const Source& source, pugi::xml_node node, double missing) {
-  if (node.attribute("value")) {
-    for (const char* axis : {"x", "y", "z"})
-      if (node.attribute(axis))
-        refuse(where(source, node), in_brackets(node) + ": \"value\" and \"" + axis + "\" exclude each other");
-    const auto numbers = numbers_of(source, node, "value", {1, 3});
-    return numbers.size() == 1 ? glm::dvec3(numbers[0]) : glm::dvec3(numbers[0], numbers[1], numbers[2]);
-  }
-  glm::dvec3 result(missing);
-  const char* axes[] = {"x", "y", "z"};
-  for (int i = 0; i < 3; ++i)
-    if (const auto attribute = node.attribute(axes[i])) result[i] = number_of(source, node, attribute.value());
-  return result;
-}
-
-glm::dvec3 list_of_three(const Source& source, pugi::xml_node node, const char* attribute) {
-  const auto numbers = numbers_of(source, node, attribute, {3});
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
-// The steps in the order of the file: the first acts first.
-glm::dmat4 transform_of(Parser& parser, const Source& source, pugi::xml_node node) {
-  glm::dmat4 result(1.0);
-  for (const auto step : node.children()) {
-    if (step.type() == pugi::node_comment || step.type() == pugi::node_pi) continue;
-    const std::string at = where(source, step), name = step.name();
-    substitute(parser.substitution, step, at);
-    glm::dmat4 matrix(1.0);
-    if (name == "translate") {
-      check_attributes(source, step, {"x", "y", "z", "value"});
-      matrix = translation(triple_of(source, step, 0.0));
-    } else if (name == "scale") {
-      check_attributes(source, step, {"x", "y", "z", "value"});
-      matrix = scaling(triple_of(source, step, 1.0));
-    } else if (name == "rotate") {
-      check_attributes(source, step, {"!angle", "x", "y", "z", "value"});
-      const auto axis = triple_of(source, step, 0.0);
-      if (axis == glm::dvec3(0.0)) refuse(at, "<rotate>: the axis is zero");
-      if (std::abs(glm::dot(axis, axis) - 1.0) > 1e-4)
-        parser.document.warnings.push_back(
-            at + ": <rotate>: the axis is not of unit length, so that this is not a rotation (Mitsuba takes it as it is)");
-      matrix = rotation(axis, number_of(source, step, step.attribute("angle").value()));
-    } else if (name == "lookat") {
-      check_attributes(source, step, {"!origin", "!target", "up"});
-      const auto up = *step.attribute("up").value() ? list_of_three(source, step, "up") : glm::dvec3(0.0);
-      const auto frame = look_at(list_of_three(source, step, "origin"), list_of_three(source, step, "target"), up);
-      if (!frame) refuse(at, "<lookat>: target is origin, or up is parallel to the line of sight");
-      matrix = *frame;
-    } else if (name == "matrix") {
-      check_attributes(source, step, {"!value"});
-      const auto numbers = numbers_of(source, step, "value", {9, 16});
-      const int size = numbers.size() == 16 ? 4 : 3;
-      for (int row = 0; row < size; ++row)
-        for (int column = 0; column < size; ++column) matrix[column][row] = numbers[row * size + column];
-      if (glm::row(matrix, 3) != glm::dvec4(0.0, 0.0, 0.0, 1.0)) refuse(at, "<matrix>: the last row is not 0 0 0 1");
-    } else {
-      refuse(at, in_brackets(step) + " is not supported (supported: lookat, matrix, rotate, scale, translate)");
-    }
-    refuse_children(source, step);
-    result = matrix * result;
-    for (int column = 0; column < 4; ++column)
-      for (int row = 0; row < 4; ++row)
-        if (!std::isfinite(result[column][row])) refuse(at, in_brackets(step) + ": the transform overflows");
-  }
-  return result;
-}
-
-Value value_of(Parser& parser, const Source& source, pugi::xml_node node) {
-  const std::string tag = node.name(), at = where(source, node);
-  if (tag == "transform") {
-    check_attributes(source, node, {"!name"});
-    return transform_of(parser, source, node);
-  }
-  refuse_children(source, node);
-  if (tag == "point" || tag == "vector") {
-    check_attributes(source, node, {"!name", "x", "y", "z", "value"});
-    for (const char* axis : {"x", "y", "z"})
-      if (!node.attribute("value") && !node.attribute(axis))
-        refuse(at, in_brackets(node) + " lacks the attribute \"" + axis + "\"");
-    return triple_of(source, node, 0.0);
-  }
-  if (tag == "spectrum" && node.attribute("filename"))
-    refuse(at, "<spectrum>: a file is not supported (supported: one constant value)");
-  check_attributes(source, node, {"!name", "!value"});
-  const std::string text = node.attribute("value").value();
-  if (tag == "rgb") return triple_of(source, node, 0.0);
-  if (tag == "float") return number_of(source, node, text);
-  if (tag == "string") return text;
-  if (tag == "spectrum") {
-    if (text.find(':') != std::string::npos)
-      refuse(at, "<spectrum>: a list of wavelengths is not supported (supported: one constant value)");
-    return number_of(source, node, text);
-  }
-  if (tag == "integer") {
-    const auto number = parse_integer(text);
-    if (!number) refuse(at, "<integer>: \"" + text + "\" is not an integer of 64 bits");
-    return *number;
-  }
-  std::string lower = text;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (lower != "true" && lower != "false") refuse(at, "<boolean>: \"" + text + "\" is neither true nor false");
-  return lower == "true";
-}
 
 std::uint32_t read_object(Parser& parser, Source& source, pugi::xml_node node, int depth);
 std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string& included_at,
@@ -252,10 +80,8 @@ void read_search_path(Source& source, pugi::xml_node node, bool in_root) {
 // What stands inside an object: values, objects, and the elements that are instructions to this reader.
 void read_content(Parser& parser, Source& source, pugi::xml_node node, std::uint32_t parent, int depth) {
   auto& elements = parser.document.elements;
-  static const std::set<std::string> VALUE_TAGS = {"boolean",  "float",  "integer",   "point", "rgb",
-                                                   "spectrum", "string", "transform", "vector"};
   for (const auto child : node.children()) {
-    if (child.type() == pugi::node_comment || child.type() == pugi::node_pi) continue;
+    if (says_nothing(child)) continue;
     const std::string at = where(source, child), tag = child.name();
     if (child.type() != pugi::node_element) refuse(at, "text inside " + in_brackets(node) + " means nothing");
     substitute(parser.substitution, child, at);
@@ -266,8 +92,8 @@ void read_content(Parser& parser, Source& source, pugi::xml_node node, std::uint
     } else if (tag == "spectrum" && child.attribute("type")) {
       refuse(at, "<spectrum type=\"" + std::string(child.attribute("type").value()) +
                      "\"> is not supported (supported: one constant value)");
-    } else if (VALUE_TAGS.count(tag)) {
-      auto value = value_of(parser, source, child);
+    } else if (is_value_tag(tag)) {
+      auto value = read_value(source, child, parser.substitution, parser.document.warnings);
       auto& properties = elements[parent].properties;
       if (std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == name; }))
         refuse(at, "\"" + name + "\" is given twice");
@@ -359,7 +185,7 @@ std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string&
   parser.document.files.push_back(file.string());
 
   const std::string text = read_text(parser, file, included_at);
-  Source source{file.string(), file, {}, std::move(search_path)};
+  Source source{file.string(), {}, std::move(search_path)};
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\n') source.lines.push_back(i);
   if (file.has_parent_path()) source.search_path.insert(source.search_path.begin(), file.parent_path());
@@ -418,7 +244,15 @@ void resolve_references(Parser& parser) {
 
 }  // namespace
 
-void refuse(const std::string& where, const std::string& what) { throw Error(Exit::scene, where + ": " + what); }
+void refuse(const std::string& where, const std::string& what) {
+  // One line of bearable length, whatever the file quotes in it.
+  constexpr std::size_t MAX_LINE = 2000;
+  std::string line = where + ": " + what;
+  for (auto& c : line)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  if (line.size() > MAX_LINE) line = line.substr(0, MAX_LINE) + " ...";
+  throw Error(Exit::scene, line);
+}
 
 std::string describe(const Element& element) {
   return element.tag == "scene" ? "<scene>" : "<" + element.tag + " type=\"" + element.type + "\">";

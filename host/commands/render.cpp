@@ -111,6 +111,7 @@ void write_images(const RenderOptions& options, const World& world, const Film& 
 Exit render(const RenderOptions& options) {
   if (options.exr) require_writable(*options.exr);
   if (options.png) require_writable(*options.png);
+  const Device device = open_device(options.device);
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   progress.begin("parse");
   World world = load_world(options.scene, options.definitions, std::cerr);
@@ -118,7 +119,6 @@ Exit render(const RenderOptions& options) {
   progress.begin("meshes");
   const Scene scene = place_scene(world);
   progress.begin("BVH");
-  const Device device = open_device(options.device);
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);
@@ -136,6 +136,7 @@ Exit render(const RenderOptions& options) {
 
 Command render_command(CLI::App& program) {
   constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
+  constexpr std::uint64_t most_samples = std::uint64_t{1} << 33;  // what rng_key and the film's sums can number
   const auto options = std::make_shared<RenderOptions>();
   const auto outputs = std::make_shared<Outputs>();
   CLI::App& line = *program.add_subcommand("render", "Renders a scene to an image file");
@@ -152,7 +153,7 @@ Command render_command(CLI::App& program) {
             name, [=](const std::string& given) { store(whole_number(name, given, least, most)); }, description)
         ->type_name("N");
   };
-  number("--spp", 1, any, "samples per pixel", [options](std::uint64_t n) { options->samples_per_pixel = n; });
+  number("--spp", 1, most_samples, "samples per pixel", [options](std::uint64_t n) { options->samples_per_pixel = n; });
   number("--seed", 0, any, "seed of the random numbers", [options](std::uint64_t n) { options->seed = n; });
   number("--max-depth", 0, std::numeric_limits<unsigned>::max(), "longest path, in segments; 1: directly visible light only",
          [options](std::uint64_t n) { options->max_depth = static_cast<unsigned>(n); });

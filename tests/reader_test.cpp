@@ -191,6 +191,16 @@ TEST(reader_test, moment_asks_for_moments_of_what_it_holds) {
   EXPECT_EQ(i.max_depth, 3u);
 }
 
+// Measured: Mitsuba reads the parameter of <integrator type="moment"> and does nothing with it.
+TEST(reader_test, hide_emitters_counts_in_the_integrator_that_moment_holds) {
+  const std::string hide = "<boolean name=\"hide_emitters\" value=\"true\"/>";
+  EXPECT_TRUE(world_of("<integrator type=\"moment\"><integrator type=\"direct\">" + hide + "</integrator></integrator>")
+                  .integrator.hide_emitters);
+  const auto outside = world_of("<integrator type=\"moment\">" + hide + "<integrator type=\"direct\"/></integrator>");
+  EXPECT_FALSE(outside.integrator.hide_emitters);
+  EXPECT_TRUE(warns(outside, "parameter \"hide_emitters\" of <integrator type=\"moment\"> is not used"));
+}
+
 TEST(reader_test, missing_integrator_is_a_path_and_is_warned_of) {
   const auto world = world_of("");
   EXPECT_EQ(world.integrator.max_depth, 0xffffffffu);

@@ -95,6 +95,17 @@ TEST(document_test, included_scene_stands_for_its_contents) {
   EXPECT_EQ(world.shapes[0].where, (directory.path() / "inc.xml").string() + ":1");
 }
 
+TEST(document_test, included_contents_come_where_the_include_stands) {
+  SceneDirectory directory;
+  directory.write("inc.xml", scene("<shape type=\"cube\"/>"));
+  const auto world =
+      directory.read("<shape type=\"disk\"/><include filename=\"inc.xml\"/><shape type=\"sphere\"/>" + SENSOR);
+  ASSERT_EQ(world.shapes.size(), 3u);
+  EXPECT_EQ(world.shapes[0].geometry, Geometry::disk);
+  EXPECT_EQ(world.shapes[1].geometry, Geometry::mesh);
+  EXPECT_EQ(world.shapes[2].geometry, Geometry::sphere);
+}
+
 TEST(document_test, included_object_is_nested_where_it_is_included) {
   SceneDirectory directory;
   directory.write("inc.xml", "<bsdf version=\"3.0.0\" type=\"conductor\"/>");

@@ -1,5 +1,6 @@
 #include "../host/mesh.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "../host/mesh_file.h"

@@ -1,5 +1,7 @@
 #include "../host/reader.h"
 
+#include <cmath>
+
 #include "scene_text.h"
 
 namespace oclair {

@@ -1,5 +1,7 @@
 #include "../host/transform.h"
 
+#include <cmath>
+
 #include "scene_text.h"
 
 namespace oclair {

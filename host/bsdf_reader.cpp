@@ -1,7 +1,5 @@
 #include "bsdf_reader.h"
 
-#include <limits>
-
 #include "conductors.h"
 #include "property.h"
 #include "refractive_indices.h"
@@ -57,15 +55,14 @@ Material conductor(Element& element) {
 
 // A number, or a name of the table.
 double refractive_index(Element& element, const std::string& name, const std::string& missing) {
-  const bool by_name = !has_property(element, name) || std::holds_alternative<std::string>([&] {
-    for (const auto& property : element.properties)
-      if (property.name == name) return property.value;
-    return Value{};
-  }());
-  if (!by_name) {
+  const auto* property = find_property(element, name);
+  if (property && property->tag != "string") {
+    if (property->tag != "float" && property->tag != "integer")
+      refuse(property->where,
+             "\"" + name + "\" of " + describe(element) + " is a <" + property->tag + ">, <float> or <string> is expected");
     const double value = number_property(element, name, 1.0);
     if (!(value > 0.0 && value <= MAX_INDEX))
-      refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " lies outside (0, 1e6]");
+      refuse(property->where, "\"" + name + "\" of " + describe(element) + " lies outside (0, 1e6]");
     return value;
   }
   const auto medium = string_property(element, name).value_or(missing);

@@ -37,7 +37,6 @@ void read_direct(Element& element, World& world) {
 
 void read_integrator(Document& document, std::uint32_t index, World& world) {
   auto& element = document.elements[index];
-  world.integrator.hide_emitters |= boolean_property(element, "hide_emitters", false);
   if (element.type == "moment") {
     if (element.children.size() != 1)
       refuse(element.where, describe(element) + " holds " + std::to_string(element.children.size()) +
@@ -51,6 +50,7 @@ void read_integrator(Document& document, std::uint32_t index, World& world) {
     return read_integrator(document, child.element, world);
   }
   if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));
+  world.integrator.hide_emitters = boolean_property(element, "hide_emitters", false);
   if (element.type == "path")
     read_path(element, world.integrator);
   else if (element.type == "direct")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <stdexcept>
 
 #include "transform.h"
@@ -11,6 +12,8 @@ namespace oclair {
 namespace {
 
 glm::dvec3 unit_or_zero(glm::dvec3 v) {
+  const double square = glm::dot(v, v);
+  if (square > 1e-280 && square < 1e280) return v / std::sqrt(square);
   const double greatest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(greatest > 0.0) || !std::isfinite(greatest)) return glm::dvec3(0.0);
   return glm::normalize(v / greatest);
@@ -29,12 +32,13 @@ std::vector<glm::dvec3> smooth_normals(const Mesh& mesh) {
   const auto& p = mesh.positions;
   std::vector<glm::dvec3> normals(p.size(), glm::dvec3(0.0));
   for (const auto& t : mesh.triangles) {
-    const auto n = face_normal(p, t);
+    const auto a = unit_or_zero(p[t.y] - p[t.x]), b = unit_or_zero(p[t.z] - p[t.y]), c = unit_or_zero(p[t.x] - p[t.z]);
+    const auto n = unit_or_zero(glm::cross(a, -c));
     if (n == glm::dvec3(0.0)) continue;
-    for (int i = 0; i < 3; ++i) {
-      const auto a = unit_or_zero(p[t[(i + 1) % 3]] - p[t[i]]), b = unit_or_zero(p[t[(i + 2) % 3]] - p[t[i]]);
-      normals[t[i]] += n * angle_between(a, b);
-    }
+    const double at_x = angle_between(a, -c), at_y = angle_between(b, -a);
+    normals[t.x] += n * at_x;
+    normals[t.y] += n * at_y;
+    normals[t.z] += n * std::max(glm::pi<double>() - at_x - at_y, 0.0);
   }
   for (auto& n : normals) {
     n = unit_or_zero(n);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <optional>
@@ -28,7 +29,11 @@ struct CornerHash {
 struct ObjParser {
   std::vector<glm::dvec3> positions, normals;
   std::size_t texture_count = 0;
-  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices;
+  // Vertices that corners have become. Nearly every position is used with one pair of texture and normal: that vertex is
+  // found without hashing, the others are in `further`.
+  std::vector<Corner> corners;              // of each vertex
+  std::vector<std::uint32_t> first_vertex;  // of each position, or NONE
+  std::unordered_map<Corner, std::uint32_t, CornerHash> further;
   std::size_t line = 0;
   ObjectMesh mesh;
 };
@@ -92,18 +97,25 @@ Corner corner_of(const ObjParser& parser, std::string_view word) {
 }
 
 std::uint32_t vertex_of(ObjParser& parser, const Corner& corner) {
-  const auto [found, is_new] = parser.vertices.emplace(corner, static_cast<std::uint32_t>(parser.mesh.positions.size()));
-  if (is_new) {
-    parser.mesh.positions.push_back(parser.positions[corner.position]);
-    if (corner.normal != NONE) {
-      parser.mesh.normals.push_back(parser.normals[corner.normal]);
-      if (parser.mesh.normals.back() == glm::dvec3(0.0)) fail(parser, "the vertex normal is zero");
-    }
-    const auto with_normal = parser.mesh.normals.size();
-    if (with_normal != 0 && with_normal != parser.mesh.positions.size())
-      fail(parser, "some corners of faces have a normal, others have none");
+  auto& first = parser.first_vertex[corner.position];
+  const auto fresh = static_cast<std::uint32_t>(parser.corners.size());
+  if (first == NONE) {
+    first = fresh;
+  } else {
+    if (parser.corners[first] == corner) return first;
+    const auto [found, is_new] = parser.further.emplace(corner, fresh);
+    if (!is_new) return found->second;
   }
-  return found->second;
+  parser.corners.push_back(corner);
+  parser.mesh.positions.push_back(parser.positions[corner.position]);
+  if (corner.normal != NONE) {
+    parser.mesh.normals.push_back(parser.normals[corner.normal]);
+    if (parser.mesh.normals.back() == glm::dvec3(0.0)) fail(parser, "the vertex normal is zero");
+  }
+  const auto with_normal = parser.mesh.normals.size();
+  if (with_normal != 0 && with_normal != parser.mesh.positions.size())
+    fail(parser, "some corners of faces have a normal, others have none");
+  return fresh;
 }
 
 void read_face(ObjParser& parser, std::string_view line) {
@@ -126,9 +138,10 @@ ObjectMesh parse_obj(std::string_view text) {
     text.remove_prefix(std::min(end + 1, text.size()));
     ++parser.line;
     const auto word = next_word(line);
-    if (word == "v")
+    if (word == "v") {
       parser.positions.push_back(three_numbers(parser, line));
-    else if (word == "vn")
+      parser.first_vertex.push_back(NONE);
+    } else if (word == "vn")
       parser.normals.push_back(three_numbers(parser, line));
     else if (word == "vt")
       ++parser.texture_count;

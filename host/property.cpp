@@ -51,15 +51,17 @@ glm::dvec3 colour_between(Element& element, const std::string& name, double miss
 
 }  // namespace
 
-bool has_property(const Element& element, const std::string& name) {
-  return std::any_of(element.properties.begin(), element.properties.end(),
-                     [&](const Property& p) { return p.name == name; });
+const Property* find_property(const Element& element, const std::string& name) {
+  for (const auto& property : element.properties)
+    if (property.name == name) return &property;
+  return nullptr;
 }
 
+bool has_property(const Element& element, const std::string& name) { return find_property(element, name) != nullptr; }
+
 std::string where_is(const Element& element, const std::string& name) {
-  for (const auto& property : element.properties)
-    if (property.name == name) return property.where;
-  return element.where;
+  const auto* property = find_property(element, name);
+  return property ? property->where : element.where;
 }
 
 double number_property(Element& element, const std::string& name, double missing) {

@@ -11,6 +11,8 @@
 
 namespace oclair {
 
+// Does not count as asking.
+const Property* find_property(const Element& element, const std::string& name);
 bool has_property(const Element& element, const std::string& name);
 
 // Where that value stands, or the element if it has none.

@@ -39,8 +39,8 @@ void read_filter(Element& element, WorldFilm& film) {
     refuse(element.where, describe(element) + " is not supported (supported: box, gaussian, tent)");
   }
   if (!(film.filter_radius > 0.0 && film.filter_radius <= MAX_FILTER_RADIUS))
-    refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " makes the radius of the filter " +
-                                        std::to_string(film.filter_radius) + " pixels, (0, 64] is expected");
+    refuse(where_is(element, name),
+           "\"" + name + "\" of " + describe(element) + " does not give the filter a radius in (0, 64] pixels");
 }
 
 PixelFormat pixel_format(Element& element) {

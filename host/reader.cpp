@@ -17,7 +17,7 @@ namespace oclair {
 
 namespace {
 
-void read_children(Document& document, World& world) {
+void read_children(Document& document, World& world, const std::optional<glm::uvec2>& film_size) {
   ShapeContext context;
   bool has_integrator = false, has_sensor = false;
   std::set<std::uint32_t> seen;
@@ -38,7 +38,7 @@ void read_children(Document& document, World& world) {
       read_integrator(document, child.element, world);
     } else if (element.tag == "sensor") {
       if (!std::exchange(has_sensor, true))
-        read_sensor(document, child.element, world);
+        read_sensor(document, child.element, film_size, world);
       else
         world.warnings.push_back(child.where + ": the scene is seen by its first <sensor>, this one is not used");
     } else {
@@ -53,13 +53,18 @@ void read_children(Document& document, World& world) {
 
 }  // namespace
 
-World read_scene(const std::filesystem::path& file, const Definitions& definitions) {
+World read_scene(const std::filesystem::path& file, const Definitions& definitions, const ReadOptions& options) {
+  const auto begin = [&](const char* phase) {
+    if (options.begin_phase) options.begin_phase(phase);
+  };
   try {
+    begin("parse");
     Document document = read_document(file, definitions);
     World world;
     world.files = document.files;
     world.warnings = document.warnings;
-    read_children(document, world);
+    begin("meshes");
+    read_children(document, world, options.film_size);
     const bool has_light = !world.lights.empty() || std::any_of(world.shapes.begin(), world.shapes.end(),
                                                                 [](const WorldShape& s) { return s.radiance.has_value(); });
     if (!has_light) world.warnings.push_back(document.elements[0].where + ": <scene> has no light: the image will be black");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "error.h"
 #include "number.h"
 #include "property.h"
 
@@ -81,6 +82,14 @@ void read_film(Document& document, std::uint32_t index, WorldFilm& film) {
   }
 }
 
+void resize_film(glm::uvec2 size, WorldFilm& film) {
+  if (film.crop_width != film.width || film.crop_height != film.height)
+    throw Error(Exit::usage, "film size " + std::to_string(size.x) + "x" + std::to_string(size.y) +
+                                 ": the film of the scene has a crop window; expected a scene without one");
+  film.width = film.crop_width = size.x;
+  film.height = film.crop_height = size.y;
+}
+
 void read_sampler(Element& element, World& world) {
   static const std::vector<std::string> TYPES = {"independent", "stratified", "multijitter", "orthogonal", "ldsampler"};
   if (std::find(TYPES.begin(), TYPES.end(), element.type) == TYPES.end())
@@ -143,7 +152,7 @@ void read_camera(Element& element, const WorldFilm& film, WorldCamera& camera) {
 
 }  // namespace
 
-void read_sensor(Document& document, std::uint32_t index, World& world) {
+void read_sensor(Document& document, std::uint32_t index, const std::optional<glm::uvec2>& film_size, World& world) {
   auto& element = document.elements[index];
   if (element.type != "perspective") refuse(element.where, describe(element) + " is not supported (supported: perspective)");
   bool has_film = false, has_sampler = false;
@@ -159,6 +168,7 @@ void read_sensor(Document& document, std::uint32_t index, World& world) {
       refuse_child(element, nested, child.where, "film, sampler");
     }
   }
+  if (film_size) resize_film(*film_size, world.film);
   read_camera(element, world.film, world.camera);
 }
 

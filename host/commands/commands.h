@@ -17,10 +17,6 @@ class App;
 
 namespace oclair {
 
-struct FilmSize {
-  unsigned width, height;
-};
-
 // What is absent is as the scene says.
 struct RenderOptions {
   std::filesystem::path scene;
@@ -28,7 +24,7 @@ struct RenderOptions {
   std::string device;                             // name or index as `oclair devices` lists them; empty: the first
   std::optional<std::filesystem::path> exr, png;  // at least one
   std::optional<std::uint64_t> samples_per_pixel;
-  std::optional<FilmSize> size;
+  std::optional<glm::uvec2> size;
   std::optional<std::uint64_t> seed;
   std::optional<unsigned> max_depth;
 };

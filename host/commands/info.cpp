@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "../render.h"
-#include "loading.h"
+#include "report.h"
 #include "options.h"
 
 namespace oclair {
@@ -45,7 +45,8 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
 
 Exit info(const InfoOptions& options) {
   const Device device = open_device(options.device);
-  const World world = load_world(options.scene, options.definitions, std::cerr);
+  const World world = read_scene(options.scene, options.definitions);
+  print_warnings(world, std::cerr);
   const Scene scene = place_scene(world);
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   row("scene") << options.scene.string() << "\n";

@@ -51,7 +51,7 @@ std::uint64_t whole_number(const std::string& option, const std::string& given, 
   return *number;
 }
 
-FilmSize film_size(const std::string& option, const std::string& given) {
+glm::uvec2 film_size(const std::string& option, const std::string& given) {
   constexpr std::uint64_t most = 65536;
   const std::size_t cross = std::min(given.find('x'), given.size());
   const auto width = parse_whole_number(std::string_view(given).substr(0, cross));

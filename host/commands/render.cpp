@@ -9,7 +9,7 @@
 #include "../image.h"
 #include "../layers.h"
 #include "../progress.h"
-#include "loading.h"
+#include "report.h"
 #include "options.h"
 
 namespace oclair {
@@ -113,12 +113,13 @@ Exit render(const RenderOptions& options) {
   if (options.png) require_writable(*options.png);
   const Device device = open_device(options.device);
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  progress.begin("parse");
-  World world = load_world(options.scene, options.definitions, std::cerr);
+  const ReadOptions reading{options.size, [&](const char* phase) { progress.begin(phase); }};
+  World world = read_scene(options.scene, options.definitions, reading);
+  progress.end();
+  print_warnings(world, std::cerr);
   apply(options, world);
-  progress.begin("meshes");
-  const Scene scene = place_scene(world);
   progress.begin("BVH");
+  const Scene scene = place_scene(world);
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);

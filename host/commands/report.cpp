@@ -1,13 +1,11 @@
-#include "loading.h"
+#include "report.h"
 
 #include <cstdio>
 
 namespace oclair {
 
-World load_world(const std::filesystem::path& file, const Definitions& definitions, std::ostream& log) {
-  World world = read_scene(file, definitions);
+void print_warnings(const World& world, std::ostream& log) {
   for (const std::string& warning : world.warnings) log << "oclair: warning: " << warning << "\n";
-  return world;
 }
 
 std::string format_bytes(std::size_t bytes) {

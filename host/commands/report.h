@@ -1,0 +1,17 @@
+// What render and info say alike.
+#pragma once
+
+#include <cstddef>
+#include <ostream>
+#include <string>
+
+#include "../world.h"
+
+namespace oclair {
+
+void print_warnings(const World& world, std::ostream& log);
+
+// "1.5 MiB": for memory.
+std::string format_bytes(std::size_t bytes);
+
+}  // namespace oclair

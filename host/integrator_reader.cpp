@@ -47,6 +47,7 @@ void read_integrator(Document& document, std::uint32_t index, World& world) {
       refuse(child.where, describe(nested) + " is not supported in " + describe(element) +
                               " (supported: integrator of type path, direct)");
     world.integrator.moments = true;
+    world.integrator.moment_name = child.name.empty() ? "_arg_0" : child.name;  // Mitsuba's name for an object without one
     return read_integrator(document, child.element, world);
   }
   if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));

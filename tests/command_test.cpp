@@ -38,7 +38,7 @@ struct UsageError {
 };
 
 TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_given_and_expected) {
-  const std::string count = "expected a whole number from 1 to 18446744073709551615";
+  const std::string count = "expected a whole number from 1 to 8589934592";
   const std::string size = "expected WIDTHxHEIGHT, both from 1 to 65536";
   const UsageError errors[] = {
       {{}, "a command is required: render, info or devices"},
@@ -50,7 +50,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "--spp", "0"}, "--spp '0': " + count},
       {{"render", "a.xml", "--spp", "-1"}, "--spp '-1': " + count},
       {{"render", "a.xml", "--spp", "1e3"}, "--spp '1e3': " + count},
-      {{"render", "a.xml", "--spp", "18446744073709551616"}, "--spp '18446744073709551616': " + count},
+      {{"render", "a.xml", "--spp", "8589934593"}, "--spp '8589934593': " + count},
       {{"render", "a.xml", "--seed", "x"}, "--seed 'x': expected a whole number from 0 to 18446744073709551615"},
       {{"render", "a.xml", "--max-depth", "4294967296"}, "expected a whole number from 0 to 4294967295"},
       {{"render", "a.xml", "--size", "512"}, "--size '512': " + size},

@@ -1,0 +1,177 @@
+// The program on real scenes: what it writes, where it says it, and how it ends.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "exr_reader.h"
+#include "program.h"
+#include "temporary_directory.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path scenes = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes";
+
+std::string bytes_of(const fs::path& file) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(file, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+// Arguments that render the furnace in a moment.
+std::vector<std::string> quick(const fs::path& output, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments = {"render", (scenes / "furnace.xml").string(), "-o", output.string(), "--spp", "2", "--size", "16x8"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+fs::path write(const fs::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+  return file;
+}
+
+}  // namespace
+
+TEST(render_command_test, names_of_the_files_go_to_stdout_and_phases_to_stderr) {
+  const TemporaryDirectory directory;
+  const fs::path exr = directory / "a.exr";
+  const ProgramResult result = run_oclair(quick(exr, {"--png"}));
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_EQ(result.out, exr.string() + "\n" + (directory / "a.png").string() + "\n");
+  std::size_t at = 0;
+  for (const char* phase : {"parse", "meshes", "BVH", "kernels", "passes", "write"}) {
+    at = result.err.find(phase, at);
+    EXPECT_NE(at, std::string::npos) << phase << " is missing or out of order in:\n" << result.err;
+  }
+  EXPECT_EQ(directory.names().size(), 2u);
+}
+
+TEST(render_command_test, two_equal_runs_write_equal_bytes) {
+  const TemporaryDirectory directory;
+  const fs::path first = directory / "a.exr", second = directory / "b.exr";
+  ASSERT_EQ(run_oclair(quick(first, {"--png"})).exit, 0);
+  ASSERT_EQ(run_oclair(quick(second, {"--png"})).exit, 0);
+  EXPECT_EQ(bytes_of(first), bytes_of(second));
+  EXPECT_EQ(bytes_of(directory / "a.png"), bytes_of(directory / "b.png"));
+}
+
+TEST(render_command_test, seed_changes_the_image_and_size_its_size) {
+  const TemporaryDirectory directory;
+  const fs::path first = directory / "a.exr", second = directory / "b.exr";
+  ASSERT_EQ(run_oclair(quick(first)).exit, 0);
+  ASSERT_EQ(run_oclair(quick(second, {"--seed", "5"})).exit, 0);
+  const ExrFile a = read_exr(first), b = read_exr(second);
+  EXPECT_EQ(a.channels.at("R").size(), 16u * 8u);
+  EXPECT_NE(a.channels.at("R"), b.channels.at("R"));
+}
+
+TEST(render_command_test, max_depth_one_shows_emission_only) {
+  const TemporaryDirectory directory;
+  const fs::path exr = directory / "a.exr";
+  ASSERT_EQ(run_oclair(quick(exr, {"--max-depth", "1"})).exit, 0);
+  const ExrFile file = read_exr(exr);
+  for (float value : file.channels.at("G")) EXPECT_EQ(value, 1.0f);
+}
+
+TEST(render_command_test, definition_reaches_the_scene) {
+  const TemporaryDirectory directory;
+  const fs::path exr = directory / "a.exr";
+  ASSERT_EQ(run_oclair(quick(exr, {"-D", "reflectance=0"})).exit, 0);
+  const ExrFile file = read_exr(exr);
+  for (float value : file.channels.at("G")) EXPECT_EQ(value, 1.0f);
+}
+
+struct Failure {
+  std::vector<std::string> arguments;
+  int exit;
+  std::string message;
+};
+
+TEST(render_command_test, a_failure_has_its_exit_code_one_line_and_leaves_no_file) {
+  const TemporaryDirectory directory;
+  const std::string out = (directory / "out.exr").string();
+  const TemporaryDirectory inputs;
+  const std::string broken = write(inputs / "broken.xml", "<scene version=\"3.0.0\">\n  <shape type=\"sphere\">\n").string();
+  const std::string crop = write(inputs / "crop.xml",
+                                 "<scene version=\"3.0.0\"><emitter type=\"constant\"/><integrator type=\"path\"/><sensor type=\"perspective\">"
+                                 "<float name=\"fov\" value=\"40\"/><film type=\"hdrfilm\"><integer name=\"crop_width\" value=\"4\"/></film></sensor></scene>")
+                               .string();
+  const std::string furnace = (scenes / "furnace.xml").string();
+  const Failure failures[] = {
+      {{"render", "nowhere.xml", "-o", out}, 3, "nowhere.xml"},
+      {{"render", broken, "-o", out}, 3, "broken.xml:"},
+      {{"render", furnace, "-o", out, "-D", "colour=3"}, 2, "colour"},
+      {{"render", crop, "-o", out, "--size", "8x8"}, 2, "crop window"},
+      {{"render", furnace, "-o", out, "--device", "99"}, 4, "device \"99\" does not exist"},
+      {{"render", furnace, "-o", out, "--device", "no such thing"}, 4, "device \"no such thing\" does not exist"},
+      {{"render", furnace, "-o", "/nonexistent/out.exr"}, 1, "/nonexistent/out.exr"},
+      {{"render", furnace, "-o", out, "--png", "/nonexistent/out.png"}, 1, "/nonexistent/out.png"},
+      {{"info", "nowhere.xml"}, 3, "nowhere.xml"},
+      {{"info", furnace, "--device", "99"}, 4, "device \"99\" does not exist"},
+  };
+  for (const Failure& failure : failures) {
+    const ProgramResult result = run_oclair(failure.arguments);
+    EXPECT_EQ(result.exit, failure.exit) << failure.message << "\n" << result.err;
+    const std::size_t line = result.err.find("oclair: ");
+    ASSERT_NE(line, std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(failure.message, line), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find('\n', line), result.err.size() - 1) << "more than one line: " << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+  EXPECT_EQ(directory.names().size(), 0u);
+}
+
+TEST(render_command_test, without_an_opencl_platform_the_device_is_what_fails) {
+  ::setenv("OCL_ICD_VENDORS", "/nonexistent", 1);
+  const ProgramResult list = run_oclair({"devices"});
+  const ProgramResult render = run_oclair(quick("unused.exr"));
+  ::unsetenv("OCL_ICD_VENDORS");
+  EXPECT_EQ(list.exit, 4);
+  EXPECT_NE(list.err.find("no OpenCL device found: expected an OpenCL driver"), std::string::npos) << list.err;
+  EXPECT_EQ(render.exit, 4);
+}
+
+TEST(render_command_test, a_scene_without_light_is_black_and_says_so) {
+  const TemporaryDirectory directory;
+  const fs::path scene = write(directory / "dark.xml",
+                               "<scene version=\"3.0.0\">\n<integrator type=\"path\"/>\n<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/>"
+                               "</sensor>\n<shape type=\"sphere\"/>\n</scene>");
+  const fs::path exr = directory / "dark.exr";
+  const ProgramResult result = run_oclair({"render", scene.string(), "-o", exr.string(), "--spp", "1", "--size", "4x4"});
+  EXPECT_EQ(result.exit, 0);
+  EXPECT_NE(result.err.find("no light: the image will be black"), std::string::npos) << result.err;
+  const ExrFile file = read_exr(exr);
+  for (float value : file.channels.at("R")) EXPECT_EQ(value, 0.0f);
+}
+
+TEST(render_command_test, moments_are_channels_named_like_the_nested_integrator) {
+  const TemporaryDirectory directory;
+  const fs::path scene = write(directory / "moment.xml",
+                               "<scene version=\"3.0.0\"><integrator type=\"moment\"><integrator type=\"path\" name=\"light\"/></integrator>"
+                               "<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/><film type=\"hdrfilm\"/></sensor>"
+                               "<emitter type=\"constant\"><rgb name=\"radiance\" value=\"1 2 3\"/></emitter></scene>");
+  const fs::path exr = directory / "a.exr";
+  ASSERT_EQ(run_oclair({"render", scene.string(), "-o", exr.string(), "--spp", "3", "--size", "4x4"}).exit, 0);
+  const ExrFile file = read_exr(exr);
+  // CIE XYZ of linear sRGB (1, 2, 3), and its squares.
+  const std::pair<const char*, double> expected[] = {{"light.X", 1.668882}, {"light.Y", 1.859498}, {"light.Z", 3.108401},
+                                                     {"m2_light.X", 2.785167}, {"m2_light.Y", 3.457733}, {"m2_light.Z", 9.662157}};
+  for (const auto& [name, value] : expected) {
+    ASSERT_TRUE(file.channels.count(name)) << name;
+    for (float v : file.channels.at(name)) EXPECT_NEAR(v, value, 1e-6 * value) << name;
+  }
+}
+
+TEST(render_command_test, info_says_what_the_scene_requires) {
+  const ProgramResult result = run_oclair({"info", (scenes / "cornell-boxes.xml").string()});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  for (const char* line : {"triangles           36", "lights              2", "DIFFUSE:", "TRIANGLES:", "TRIANGLE_LIGHTS:", "render in path.cl",
+                           "nodes:", "triangle blocks:", "film: 16.0 MiB", "memory "})
+    EXPECT_NE(result.out.find(line), std::string::npos) << line << " is missing in\n" << result.out;
+  for (const char* absent : {"MIRROR:", "SPHERES:", "normals:", "quadrics:", "moments:"})
+    EXPECT_EQ(result.out.find(absent), std::string::npos) << absent;
+}

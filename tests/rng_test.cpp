@@ -159,6 +159,31 @@ TEST(rng_test, keys_of_different_seeds_differ) {
     for (cl_uint pixel = 0; pixel < 64; ++pixel)
       for (cl_ulong sample = 0; sample < 4; ++sample) streams.push_back({seed, pixel, sample});
   EXPECT_EQ(distinct(keys(streams)), streams.size());
+  // 2^20 seeds, one stream: if only 32 bits of a seed counted, 128 pairs would collide; 64 bits: 3e-8.
+  streams.clear();
+  for (cl_ulong seed = 0; seed < count_or_small(1 << 20, 1000); ++seed) streams.push_back({seed, 3, 4});
+  EXPECT_EQ(distinct(keys(streams)), streams.size());
+}
+
+// If keys were not mixed after pixel and sample go in, the stream whose key differs by d steps of the dimension's increment
+// would repeat another one from its d-th dimension on. The pixels and samples where that would happen, for seed 0, whose mixed
+// word is SplitMix64's first output.
+TEST(rng_test, no_stream_is_another_one_shifted_by_some_dimensions) {
+  constexpr cl_ulong gamma = 0x9e3779b97f4a7c15u, word = 0xe220a8397b1dcdafu;
+  std::vector<Stream> streams{{0, 0, 0}};
+  for (cl_uint d = 1; d < 64; ++d) {
+    const cl_ulong place = word ^ (word + d * gamma);
+    streams.push_back({0, static_cast<cl_uint>(place & 0x7fffffffu), place >> 31});
+  }
+  const std::vector<cl_ulong> key = keys(streams);
+  std::vector<cl_ulong> from;
+  std::vector<cl_uint> dimension;
+  for (cl_uint d = 1; d < 64; ++d) {
+    from.insert(from.end(), {key[0], key[d]});
+    dimension.insert(dimension.end(), {d + 5, 5});
+  }
+  const Draw result = draw(from, dimension);
+  for (std::size_t i = 0; i < from.size(); i += 2) EXPECT_NE(result.bits[i], result.bits[i + 1]) << "shifted by " << dimension[i] - 5;
 }
 
 TEST(rng_test, dimensions_of_neighbouring_streams_do_not_repeat_each_other) {

@@ -169,3 +169,19 @@ TEST(dielectric_test, the_way_out_undoes_the_way_in) {
     ASSERT_NEAR(static_cast<double>(there.weight_eta[i].s[3]) * back.weight_eta[i].s[3], 1, 3 * unit_roundoff);
   }
 }
+
+// Extreme X30: neither the length nor the direction drifts. 1e-5 rad and 2e-6 of length after 500 plates.
+TEST(dielectric_test, a_thousand_refractions_keep_length_and_direction) {
+  std::vector<cl_float4> wo;
+  std::vector<oclair::Material> materials;
+  for (float eta : {1.33f, 1.5f, 2.42f})
+    for (const cl_float4& d : upper_directions(88, 200))
+      if (d.s[2] > 0.1f) wo.push_back(d), materials.push_back(dielectric(eta));
+  std::vector<cl_float4> result(wo.size());
+  run("dielectric_test.cl", "cross_plates", wo.size(), materials, wo, static_cast<cl_uint>(count_or_small(1000, 100)), out(result));
+  for (std::size_t i = 0; i < wo.size(); ++i) {
+    const cl_float4 &a = wo[i], &b = result[i];
+    ASSERT_NEAR(std::hypot(b.s[0], b.s[1], b.s[2]), 1, 2e-6);
+    ASSERT_LE(std::hypot(a.s[0] - b.s[0], a.s[1] - b.s[1], a.s[2] - b.s[2]), 1e-5) << materials[i].eta << " " << a.s[2];
+  }
+}

@@ -16,7 +16,8 @@ inline const std::vector<Model>& models() {
   static const std::vector<Model> list{{"diffuse", diffuse(0.8f, 0.5f, 0.25f), FEATURE_DIFFUSE, false},
                                        {"mirror", mirror(0.9f, 0.5f, 0.1f), FEATURE_MIRROR, true},
                                        {"conductor", conductor(), FEATURE_CONDUCTOR, true},
-                                       {"dielectric", dielectric(1.5f, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}), FEATURE_DIELECTRIC, true}};
+                                       {"dielectric", dielectric(1.5f, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}),
+                                        FEATURE_DIELECTRIC, true}};
   return list;
 }
 
@@ -52,7 +53,8 @@ struct Values {
 
 inline Values evaluate_bsdf(const Material& material, const std::vector<cl_float4>& wi, std::uint32_t features = every_feature) {
   Values result{std::vector<cl_float4>(wi.size()), std::vector<cl_uint>(wi.size())};
-  run_with({features}, "bsdf_test.cl", "evaluate", wi.size(), std::vector(wi.size(), material), wi, out(result.value_pdf), out(result.is_delta));
+  run_with({features}, "bsdf_test.cl", "evaluate", wi.size(), std::vector(wi.size(), material), wi,
+           out(result.value_pdf), out(result.is_delta));
   return result;
 }
 

@@ -57,7 +57,8 @@ TEST(bsdf_statistics, glass_reflects_the_share_that_fresnel_says) {
     const Scatters samples = sample_bsdf(models()[3].material, from_one_direction(101, count, cosine, front));
     double reflected = 0;
     for (const cl_float4& wi : samples.direction_pdf) reflected += wi.s[2] > 0;
-    const double f = static_cast<double>(exact_reflectance(static_cast<float>(cosine), front ? 1.5L : 1 / 1.5L)), n = static_cast<double>(count);
+    const double f = static_cast<double>(exact_reflectance(static_cast<float>(cosine), front ? 1.5L : 1 / 1.5L));
+    const double n = static_cast<double>(count);
     EXPECT_GT(normal_tails((reflected - n * f) / std::sqrt(n * f * (1 - f))), significance(7)) << cosine << " " << front;
   }
 }

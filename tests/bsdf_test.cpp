@@ -59,10 +59,13 @@ TEST(bsdf_test, every_model_scatters_with_its_own_weights) {
   const Inputs inputs = random_inputs(93, count_or_small(4000, 100));
   const auto count_of = [&](const Scatters& samples, auto condition) {
     std::size_t n = 0;
-    for (std::size_t i = 0; i < inputs.wo.size(); ++i) n += condition(inputs.wo[i], samples.direction_pdf[i], samples.weight_eta[i]) ? 1u : 0u;
+    for (std::size_t i = 0; i < inputs.wo.size(); ++i)
+      n += condition(inputs.wo[i], samples.direction_pdf[i], samples.weight_eta[i]) ? 1u : 0u;
     return n;
   };
-  const auto reflected = [](const cl_float4& wo, const cl_float4& wi) { return wi.s[0] == -wo.s[0] && wi.s[1] == -wo.s[1] && wi.s[2] == wo.s[2]; };
+  const auto reflected = [](const cl_float4& wo, const cl_float4& wi) {
+    return wi.s[0] == -wo.s[0] && wi.s[1] == -wo.s[1] && wi.s[2] == wo.s[2];
+  };
   const std::size_t all = inputs.wo.size();
   EXPECT_EQ(count_of(sample_bsdf(models()[0].material, inputs), [&](auto& wo, auto& wi, auto& w) {
     return !reflected(wo, wi) && wi.s[2] > 0 && w.s[0] == 0.8f && w.s[1] == 0.5f && w.s[2] == 0.25f && w.s[3] == 1;
@@ -76,7 +79,8 @@ TEST(bsdf_test, every_model_scatters_with_its_own_weights) {
   const Scatters glass = sample_bsdf(models()[3].material, inputs);
   const std::size_t back = count_of(glass, [&](auto& wo, auto& wi, auto& w) { return reflected(wo, wi) && w.s[0] == 0.9f; });
   const std::size_t in = count_of(glass, [](auto&, auto& wi, auto& w) { return wi.s[2] < 0 && w.s[3] == 1.5f; });
-  const std::size_t outwards = count_of(glass, [](auto&, auto& wi, auto& w) { return wi.s[2] < 0 && std::abs(w.s[3] - 1 / 1.5f) < 1e-7f; });
+  const std::size_t outwards =
+      count_of(glass, [](auto&, auto& wi, auto& w) { return wi.s[2] < 0 && std::abs(w.s[3] - 1 / 1.5f) < 1e-7f; });
   EXPECT_EQ(back + in + outwards, all);
   EXPECT_GT(back, 0u);
   EXPECT_GT(in, 0u);
@@ -109,7 +113,8 @@ TEST(bsdf_test, specialised_kernels_give_the_same_bits) {
     const Scatters all = sample_bsdf(model.material, inputs), special = sample_bsdf(model.material, inputs, model.feature);
     EXPECT_TRUE(same_bits(all.direction_pdf, special.direction_pdf)) << model.name;
     EXPECT_TRUE(same_bits(all.weight_eta, special.weight_eta)) << model.name;
-    const Values value = evaluate_bsdf(model.material, directions), special_value = evaluate_bsdf(model.material, directions, model.feature);
+    const Values value = evaluate_bsdf(model.material, directions);
+    const Values special_value = evaluate_bsdf(model.material, directions, model.feature);
     EXPECT_TRUE(same_bits(value.value_pdf, special_value.value_pdf)) << model.name;
     EXPECT_EQ(value.is_delta, special_value.is_delta) << model.name;
   }

@@ -19,7 +19,8 @@ struct Case {
   bool critical() const { return relative() < 1 && std::abs(wo.s[2] - critical_cosine(relative())) < 1e-4L; }
 };
 
-Scatters sample(const std::vector<Case>& cases, oclair::packed_float3 reflectance = {1, 1, 1}, oclair::packed_float3 transmittance = {1, 1, 1}) {
+Scatters sample(const std::vector<Case>& cases, oclair::packed_float3 reflectance = {1, 1, 1},
+                oclair::packed_float3 transmittance = {1, 1, 1}) {
   std::vector<oclair::Material> materials;
   std::vector<cl_float4> wo;
   std::vector<cl_uint> front;
@@ -61,7 +62,8 @@ TEST(dielectric_test, reflects_when_the_random_number_is_below_the_reflectance) 
   }
   const Scatters samples = sample(cases);
   for (std::size_t i = 0; i < cases.size(); ++i)
-    ASSERT_EQ(is_reflected(samples.direction_pdf[i]), reflected[i]) << cases[i].eta << " " << cases[i].front << " " << cases[i].wo.s[2];
+    ASSERT_EQ(is_reflected(samples.direction_pdf[i]), reflected[i])
+        << cases[i].eta << " " << cases[i].front << " " << cases[i].wo.s[2];
 }
 
 TEST(dielectric_test, reflected_light_keeps_its_angle_and_takes_the_reflectance_colour) {
@@ -111,7 +113,8 @@ TEST(dielectric_test, equal_indices_change_nothing) {
     for (cl_uint front : {0u, 1u}) cases.push_back({wo, 1.0f, front, 0.0f});
   const Scatters samples = sample(cases, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f});
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_NEAR(samples.direction_pdf[i].s[axis], -cases[i].wo.s[axis], 4 * unit_roundoff);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      ASSERT_NEAR(samples.direction_pdf[i].s[axis], -cases[i].wo.s[axis], 4 * unit_roundoff);
     const cl_float4& weight = samples.weight_eta[i];
     ASSERT_TRUE(weight.s[0] == 0.3f && weight.s[1] == 0.2f && weight.s[2] == 0.1f && weight.s[3] == 1);
   }
@@ -131,7 +134,8 @@ TEST(dielectric_test, refraction_obeys_snell_in_the_plane_of_incidence) {
     const double eta = static_cast<double>(cases[i].relative()), cos_t = result[i].s[3];
     if (cos_t == 0) continue;
     ++refracted;
-    const double x = wo[i].s[0], y = wo[i].s[1], sin_i = std::hypot(x, y), tx = result[i].s[0], ty = result[i].s[1], tz = result[i].s[2];
+    const double x = wo[i].s[0], y = wo[i].s[1], sin_i = std::hypot(x, y);
+    const double tx = result[i].s[0], ty = result[i].s[1], tz = result[i].s[2];
     ASSERT_LT(tz, 0);
     ASSERT_NEAR(std::hypot(tx, ty, tz), 1, 2e-6) << eta << " " << wo[i].s[2];
     ASSERT_NEAR(eta * std::hypot(tx, ty), sin_i, 8 * unit_roundoff * std::max(1.0, eta)) << eta << " " << wo[i].s[2];
@@ -146,7 +150,8 @@ TEST(dielectric_test, refraction_obeys_snell_in_the_plane_of_incidence) {
 // Refracted ones are renormalised: the drift of 1e-6 (extreme X37) squared, and 4u of rounding.
 TEST(dielectric_test, sampled_directions_are_unit_vectors) {
   for (float u : {0.0f, last})
-    for (const cl_float4& wi : sample(every_case(86, u)).direction_pdf) ASSERT_NEAR(std::hypot(wi.s[0], wi.s[1], wi.s[2]), 1, 4 * unit_roundoff);
+    for (const cl_float4& wi : sample(every_case(86, u)).direction_pdf)
+      ASSERT_NEAR(std::hypot(wi.s[0], wi.s[1], wi.s[2]), 1, 4 * unit_roundoff);
 }
 
 // Into the glass and out again: the same direction but for twice the error of refraction, which outside is magnified by

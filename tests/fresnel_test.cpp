@@ -58,7 +58,8 @@ std::vector<Row> every_row() {
 
 std::string describe(const Row& row) {
   char text[100];
-  std::snprintf(text, sizeof text, "cos %.9g eta %.9g front %u", static_cast<double>(row.cosine), static_cast<double>(row.eta), row.front);
+  std::snprintf(text, sizeof text, "cos %.9g eta %.9g front %u", static_cast<double>(row.cosine),
+                static_cast<double>(row.eta), row.front);
   return text;
 }
 
@@ -227,14 +228,16 @@ TEST(fresnel_test, cosine_averaged_reflectance_meets_published_values) {
     double external, internal;
   };
   for (const Average& average : {Average{1.33f, .065930849299405, .4719491487927}, Average{1.5f, .091777959342351, .59634575970771},
-                                 Average{1.8f, .13405444941832, .73273285475874}, Average{2.42f, .21254079473884, .86553869181389}}) {
+                                 Average{1.8f, .13405444941832, .73273285475874},
+                                 Average{2.42f, .21254079473884, .86553869181389}}) {
     std::vector<Row> rows;
     std::vector<double> weights;
     for (const Node& node : gauss_legendre(32, 0, 1)) {
       rows.push_back({static_cast<float>(node.x), average.eta, 1});
       weights.push_back(node.weight * 2 * node.x);
     }
-    // Inside, c^2 = 1 - (1 - t^2)/eta^2 for the outer cosine t, and 2c dc = 2t dt / eta^2; 1 - 1/eta^2 of the rest is all reflected.
+    // Inside, c^2 = 1 - (1 - t^2)/eta^2 for the outer cosine t, and 2c dc = 2t dt / eta^2; all of the rest,
+    // 1 - 1/eta^2, is reflected.
     const double e2 = static_cast<double>(average.eta) * average.eta;
     for (const Node& node : gauss_legendre(32, 0, 1)) {
       rows.push_back({static_cast<float>(std::sqrt(1 - (1 - node.x * node.x) / e2)), average.eta, 0});

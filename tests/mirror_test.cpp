@@ -60,7 +60,8 @@ TEST(mirror_test, conductor_of_index_i_reflects_everything) {
 // Changing frames may round a cosine up to 1 + 4u.
 TEST(mirror_test, cosine_rounded_above_one_counts_as_one) {
   for (const oclair::Material& metal : {conductor(), conductor({0.2f, 1.0f, 1.5f}, {0.1f, 0.01f, 0.0f}, {1, 1, 1})}) {
-    const Scatters samples = sample("sample_conductor", metal, {{{0, 0, 1, 0}}, {{0, 0, 1 + 0x1p-23f, 0}}, {{0, 0, 1 + 0x1p-22f, 0}}});
+    const std::vector<cl_float4> wo{{{0, 0, 1, 0}}, {{0, 0, 1 + 0x1p-23f, 0}}, {{0, 0, 1 + 0x1p-22f, 0}}};
+    const Scatters samples = sample("sample_conductor", metal, wo);
     for (std::size_t i = 1; i < 3; ++i)
       for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(samples.weight_eta[i].s[k], samples.weight_eta[0].s[k]) << k;
   }

@@ -11,7 +11,8 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 std::vector<float> grid() {
   std::vector<float> values{0.0f,  FLT_MIN, 1e-30f, 1e-23f,  1e-19f, 1e-10f, 1e-3f,  0.1f, 0.5f,    1.0f,
                             1.5f,  3.0f,    1e3f,   1e10f,   1e18f,  1.9e19f, 1e25f, 1e38f, FLT_MAX, infinity};
-  if (device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_DENORM) values.insert(values.end(), {1e-45f, 1e-44f, 1e-40f, 1e-38f});
+  if (device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_DENORM)
+    values.insert(values.end(), {1e-45f, 1e-44f, 1e-40f, 1e-38f});
   return values;
 }
 

@@ -11,7 +11,8 @@ TEST(quadrature_test, gauss_legendre_is_exact_up_to_degree_2n_minus_1_and_not_be
       for (const Node& node : gauss_legendre(n, 0, 1)) sum += node.weight * std::pow(node.x, degree);
       return sum;
     };
-    for (int degree = 0; degree <= 2 * n - 1; ++degree) EXPECT_NEAR(integral(degree), 1.0 / (degree + 1), 1e-14) << n << " " << degree;
+    for (int degree = 0; degree <= 2 * n - 1; ++degree)
+      EXPECT_NEAR(integral(degree), 1.0 / (degree + 1), 1e-14) << n << " " << degree;
     if (n <= 3) {
       EXPECT_GT(std::abs(integral(2 * n) - 1.0 / (2 * n + 1)), 1e-4) << n;
     }

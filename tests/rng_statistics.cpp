@@ -114,8 +114,9 @@ TEST(rng_statistics, neighbours_are_uncorrelated) {
   const double root = std::sqrt(static_cast<double>(here.x.size()));
   for (const auto& [name, move] : neighbours()) {
     const Numbers there = draw(move);
-    for (const auto& [a, b] : {std::pair(&here.x, &there.x), std::pair(&here.y, &there.y), std::pair(&here.x, &there.y), std::pair(&here.y, &there.x)})
-      EXPECT_GT(normal_tails(correlation(*a, *b) * root), significance(40)) << name;
+    for (const auto* a : {&here.x, &here.y})
+      for (const auto* b : {&there.x, &there.y})
+        EXPECT_GT(normal_tails(correlation(*a, *b) * root), significance(40)) << name;
   }
 }
 

@@ -97,7 +97,8 @@ TEST(rng_test, unit_is_every_multiple_of_two_to_the_minus_24) {
 // Published outputs of SplitMix64 seeded with 0 and with 1234567: its n-th state is the seed plus n times the golden gamma.
 TEST(rng_test, mix_is_splitmix64) {
   constexpr cl_ulong gamma = 0x9e3779b97f4a7c15u;
-  EXPECT_EQ(mixed({gamma, 2 * gamma, 3 * gamma}), (std::vector<cl_ulong>{0xe220a8397b1dcdafu, 0x6e789e6aa1b965f4u, 0x06c45d188009454fu}));
+  EXPECT_EQ(mixed({gamma, 2 * gamma, 3 * gamma}),
+            (std::vector<cl_ulong>{0xe220a8397b1dcdafu, 0x6e789e6aa1b965f4u, 0x06c45d188009454fu}));
   EXPECT_EQ(mixed({1234567 + gamma, 1234567 + 2 * gamma}), (std::vector<cl_ulong>{6457827717110365317u, 3203168211198807973u}));
 }
 
@@ -183,7 +184,8 @@ TEST(rng_test, no_stream_is_another_one_shifted_by_some_dimensions) {
     dimension.insert(dimension.end(), {d + 5, 5});
   }
   const Draw result = draw(from, dimension);
-  for (std::size_t i = 0; i < from.size(); i += 2) EXPECT_NE(result.bits[i], result.bits[i + 1]) << "shifted by " << dimension[i] - 5;
+  for (std::size_t i = 0; i < from.size(); i += 2)
+    EXPECT_NE(result.bits[i], result.bits[i + 1]) << "shifted by " << dimension[i] - 5;
 }
 
 TEST(rng_test, dimensions_of_neighbouring_streams_do_not_repeat_each_other) {

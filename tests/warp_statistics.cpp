@@ -18,7 +18,8 @@ struct Cell {
 
 // NaN and what lies outside go to a cell in which nothing is expected.
 template <class Result, class... Arguments>
-double p_value(const char* kernel, std::uint64_t seed, const std::function<Cell(const Result&)>& place, const Arguments&... arguments) {
+double p_value(const char* kernel, std::uint64_t seed, const std::function<Cell(const Result&)>& place,
+               const Arguments&... arguments) {
   Random random(seed);
   const std::size_t count = count_or_small(1000000, 4000), columns = 41, rows = 37;
   std::vector<cl_float2> u(count);
@@ -31,7 +32,8 @@ double p_value(const char* kernel, std::uint64_t seed, const std::function<Cell(
   for (const Result& sample : result) {
     const Cell cell = place(sample);
     const bool inside = cell.x >= 0 && cell.x < 1 && cell.y >= 0 && cell.y < 1;
-    ++observed[inside ? static_cast<std::size_t>(cell.x * columns) * rows + static_cast<std::size_t>(cell.y * rows) : columns * rows];
+    const auto index = [&] { return static_cast<std::size_t>(cell.x * columns) * rows + static_cast<std::size_t>(cell.y * rows); };
+    ++observed[inside ? index() : columns * rows];
   }
   return chi_square_test(observed, expected);
 }

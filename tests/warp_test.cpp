@@ -11,7 +11,8 @@ constexpr double pi = 3.14159265358979323846;
 // Extreme X21: every pair of 0, the smallest, the middle and the largest random number, and their neighbours; then random ones.
 std::vector<cl_float2> squares() {
   std::vector<cl_float2> list;
-  const std::vector<float> edges{0.0f, 0x1p-24f, 0x1p-23f, 0.25f, 0.5f - 0x1p-24f, 0.5f, 0.5f + 0x1p-24f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
+  const std::vector<float> edges{0.0f, 0x1p-24f, 0x1p-23f, 0.25f, 0.5f - 0x1p-24f,
+                                 0.5f, 0.5f + 0x1p-24f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
   for (float x : edges)
     for (float y : edges) list.push_back({{x, y}});
   Random random(40);
@@ -128,7 +129,8 @@ TEST(warp_test, densities_are_one_over_the_measure) {
   run(file, "densities", argument.size(), argument, out(result));
   for (std::size_t i = 0; i < argument.size(); ++i) {
     const std::array<double, 4> expected{argument[i] / pi, 1 / (2 * pi * argument[i]), 1 / pi, 1 / (4 * pi)};
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(result[i].s[k], expected[k], 3 * unit_roundoff * expected[k]) << k << " " << argument[i];
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(result[i].s[k], expected[k], 3 * unit_roundoff * expected[k]) << k << " " << argument[i];
   }
 }
 
@@ -160,7 +162,8 @@ TEST(warp_test, warps_keep_area_point_by_point) {
   run(file, "cosine_hemisphere", u.size(), u, out(hemisphere));
   // Disk: area pi. The hemisphere's projection is the same disk. The triangle of barycentrics has area 1/2.
   // Central differences err by h^2 / 6 of third derivatives (1e-4 at 0.02 from a square root's zero); folds get 5 % of the cells.
-  for (const auto& [values, area] : {std::pair(determinants(disk), pi), std::pair(determinants(hemisphere), pi), std::pair(determinants(triangle), 0.5)}) {
+  for (const auto& [values, area] : {std::pair(determinants(disk), pi), std::pair(determinants(hemisphere), pi),
+                                     std::pair(determinants(triangle), 0.5)}) {
     EXPECT_NEAR(values[cells / 20], area, 2e-3 * area);
     EXPECT_NEAR(values[cells - 1 - cells / 20], area, 2e-3 * area);
   }

@@ -58,19 +58,23 @@ INLINE Fresnel fresnel_dielectric(float cos_i, Interface i) {
 }
 
 // Exact Fresnel equations for a conductor with complex index eta + i k relative to the medium outside (Born and Wolf 1999,
-// 14.2); hypot and the stable root of the quadratic keep it finite up to k = 1e19. cos_i in [0, 1].
+// 14.2), cos_i = c in [0, 1], s = sin_i. With a + i b = sqrt((eta + i k)^2 - s^2), r_s = (c - (a + i b))/(c + (a + i b)) and
+// r_p = r_s ((a + i b) c - s^2)/((a + i b) c + s^2). Moduli are sums of squares: their expanded form, modulus + c^2 - 2 a c,
+// cancels where the index is near 1. hypot and the stable root of the quadratic keep it finite up to k = 1e19.
 INLINE float fresnel_conductor(float cos_i, float eta, float k) {
-  float c2 = cos_i * cos_i;
-  float sin2 = (1.0f - cos_i) * (1.0f + cos_i);
-  float real = fma(eta - k, eta + k, -sin2);  // of (eta + i k)^2 - sin^2
-  float modulus = hypot(real, 2.0f * eta * k);
-  float a = real >= 0.0f ? sqrt(0.5f * (modulus + real)) : eta * k / sqrt(0.5f * (modulus - real));
-  float cross = 2.0f * a * cos_i;
-  float s_up = modulus + c2 - cross, s_down = modulus + c2 + cross;
-  float rs = s_down > 0.0f ? s_up / s_down : 0.0f;
-  float even = fma(modulus, c2, sin2 * sin2);
-  float p_up = fma(-cross, sin2, even), p_down = fma(cross, sin2, even);
-  float rp = p_down > 0.0f ? rs * (p_up / p_down) : 0.0f;
+  float c = cos_i;
+  float sin2 = (1.0f - c) * (1.0f + c);
+  float real = eta < 0.7f ? fma(eta - k, eta + k, -sin2) : fma(c, c, fma(-k, k, (eta - 1.0f) * (eta + 1.0f)));  // a^2 - b^2
+  float product = eta * k;                                                                                      // a b
+  float larger = sqrt(0.5f * (hypot(real, 2.0f * product) + fabs(real)));
+  float smaller = larger > 0.0f ? product / larger : 0.0f;
+  float a = real >= 0.0f ? larger : smaller;
+  float b = real >= 0.0f ? smaller : larger;
+  float s_down = fma(a + c, a + c, b * b);
+  float rs = s_down > 0.0f ? fma(a - c, a - c, b * b) / s_down : 0.0f;
+  float up = fma(a, c, -sin2), down = fma(a, c, sin2), bc = b * c;
+  float p_down = fma(down, down, bc * bc);
+  float rp = p_down > 0.0f ? rs * (fma(up, up, bc * bc) / p_down) : 0.0f;
   return 0.5f * (rs + rp);
 }
 

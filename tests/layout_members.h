@@ -1,0 +1,30 @@
+// Every struct of cl/types.h and its members, in order, for both sides of layout_test. A forgotten struct or member fails there.
+#define LAYOUT_LIST(STRUCT, MEMBER)                                                                                     \
+  STRUCT(packed_float3) MEMBER(packed_float3, x) MEMBER(packed_float3, y) MEMBER(packed_float3, z)                      \
+  STRUCT(packed_uint3) MEMBER(packed_uint3, x) MEMBER(packed_uint3, y) MEMBER(packed_uint3, z)                          \
+  STRUCT(Ray) MEMBER(Ray, origin) MEMBER(Ray, t_max) MEMBER(Ray, direction) MEMBER(Ray, skip) MEMBER(Ray, target)       \
+  STRUCT(Hit) MEMBER(Hit, t) MEMBER(Hit, b1) MEMBER(Hit, b2) MEMBER(Hit, primitive) MEMBER(Hit, slot)                   \
+  STRUCT(Shape) MEMBER(Shape, material_front) MEMBER(Shape, material_back) MEMBER(Shape, first_light)                   \
+  MEMBER(Shape, first_triangle) MEMBER(Shape, smooth)                                                                   \
+  STRUCT(Quadric) MEMBER(Quadric, center) MEMBER(Quadric, kind) MEMBER(Quadric, axis_x) MEMBER(Quadric, shape)          \
+  MEMBER(Quadric, axis_y) MEMBER(Quadric, flip) MEMBER(Quadric, axis_z) MEMBER(Quadric, area)                           \
+  STRUCT(Material) MEMBER(Material, reflectance) MEMBER(Material, kind) MEMBER(Material, transmittance)                 \
+  MEMBER(Material, eta) MEMBER(Material, conductor_eta) MEMBER(Material, pad0) MEMBER(Material, conductor_k)            \
+  MEMBER(Material, pad1)                                                                                                \
+  STRUCT(Light) MEMBER(Light, radiance) MEMBER(Light, kind) MEMBER(Light, position) MEMBER(Light, probability)          \
+  MEMBER(Light, edge1) MEMBER(Light, primitive) MEMBER(Light, edge2) MEMBER(Light, area)                                \
+  STRUCT(Camera) MEMBER(Camera, origin) MEMBER(Camera, near_clip) MEMBER(Camera, corner) MEMBER(Camera, far_clip)       \
+  MEMBER(Camera, step_x) MEMBER(Camera, pad0) MEMBER(Camera, step_y) MEMBER(Camera, pad1)                               \
+  STRUCT(Settings) MEMBER(Settings, seed) MEMBER(Settings, film_width) MEMBER(Settings, film_height)                    \
+  MEMBER(Settings, crop_x) MEMBER(Settings, crop_y) MEMBER(Settings, crop_width) MEMBER(Settings, crop_height)          \
+  MEMBER(Settings, max_depth) MEMBER(Settings, rr_depth) MEMBER(Settings, hide_emitters) MEMBER(Settings, light_count)  \
+  MEMBER(Settings, sample_border) MEMBER(Settings, filter_count) MEMBER(Settings, filter_radius)                        \
+  MEMBER(Settings, film_exponent) MEMBER(Settings, environment) MEMBER(Settings, environment_probability)               \
+  STRUCT(FilmPixel) MEMBER(FilmPixel, sum) MEMBER(FilmPixel, rejected) MEMBER(FilmPixel, hits)                          \
+  STRUCT(FilmMoments) MEMBER(FilmMoments, square)                                                                       \
+  STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
+  MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, hit_anything)                \
+  MEMBER(PathState, alive)                                                                                              \
+  STRUCT(ShadowRay) MEMBER(ShadowRay, ray) MEMBER(ShadowRay, contribution)                                              \
+  STRUCT(BvhNode) MEMBER(BvhNode, bounds) MEMBER(BvhNode, child) MEMBER(BvhNode, pad)                                   \
+  STRUCT(TriangleBlock) MEMBER(TriangleBlock, vertex) MEMBER(TriangleBlock, primitive)

@@ -1,0 +1,21 @@
+#include "mirror.h"
+
+__kernel void sample_mirror(uint count, __global const Material *materials, __global const float4 *wo,
+                            __global float4 *direction_pdf, __global float4 *weight_eta) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  const Material material = materials[i];
+  const Scatter s = mirror_sample(&material, wo[i].xyz);
+  direction_pdf[i] = (float4)(s.wi, s.pdf);
+  weight_eta[i] = (float4)(s.weight, s.eta);
+}
+
+__kernel void sample_conductor(uint count, __global const Material *materials, __global const float4 *wo,
+                               __global float4 *direction_pdf, __global float4 *weight_eta) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  const Material material = materials[i];
+  const Scatter s = conductor_sample(&material, wo[i].xyz);
+  direction_pdf[i] = (float4)(s.wi, s.pdf);
+  weight_eta[i] = (float4)(s.weight, s.eta);
+}

@@ -1,0 +1,88 @@
+#include "inputs.h"
+#include "kernel.h"
+
+using namespace oclair::test;
+
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// Extreme X26: where a * a would overflow or vanish. Denormals only where the device keeps them: elsewhere they are 0.
+std::vector<float> grid() {
+  std::vector<float> values{0.0f,  FLT_MIN, 1e-30f, 1e-23f,  1e-19f, 1e-10f, 1e-3f,  0.1f, 0.5f,    1.0f,
+                            1.5f,  3.0f,    1e3f,   1e10f,   1e18f,  1.9e19f, 1e25f, 1e38f, FLT_MAX, infinity};
+  if (device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_DENORM)
+    values.insert(values.end(), {1e-45f, 1e-44f, 1e-40f, 1e-38f});
+  return values;
+}
+
+struct Pairs {
+  std::vector<float> a, b, weight;
+};
+
+Pairs run_pairs(std::vector<float> a, std::vector<float> b) {
+  Pairs pairs{std::move(a), std::move(b), {}};
+  pairs.weight.resize(pairs.a.size());
+  run("mis_test.cl", "power", pairs.a.size(), pairs.a, pairs.b, out(pairs.weight));
+  return pairs;
+}
+
+Pairs run_grid() {
+  std::vector<float> a, b;
+  for (float x : grid())
+    for (float y : grid()) a.push_back(x), b.push_back(y);
+  return run_pairs(a, b);
+}
+
+// The definition (Veach 1997, eq. 9.13 with beta = 2); squares of floats neither overflow nor vanish in long double.
+double power_heuristic(long double a, long double b) { return static_cast<double>(a * a / (a * a + b * b)); }
+
+// Rounding: r = b/a (u), r^2 (3u), 1 + r^2 (1 + 3/2)u since r <= 1, and the last division: below 8u relative for the smaller
+// weight r^2 / (1 + r^2), 3.5u for the larger. A weight below FLT_MIN may vanish.
+double tolerance(double weight) { return 8 * unit_roundoff * weight + FLT_MIN; }
+
+}  // namespace
+
+TEST(mis_test, power_heuristic_is_the_ratio_of_squares) {
+  Random random(10);
+  std::vector<float> a(count_or_small(100000, 500)), b(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    a[i] = static_cast<float>(std::abs(random.log_uniform(1e-30, 1e30)));
+    b[i] = static_cast<float>(a[i] * std::abs(random.log_uniform(1e-3, 1e3)));
+  }
+  const Pairs pairs = run_pairs(a, b);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double expected = power_heuristic(a[i], b[i]);
+    ASSERT_NEAR(pairs.weight[i], expected, tolerance(expected)) << a[i] << " " << b[i];
+  }
+}
+
+TEST(mis_test, power_heuristic_is_right_where_squares_overflow_or_vanish) {
+  const Pairs pairs = run_grid();
+  for (std::size_t i = 0; i < pairs.a.size(); ++i) {
+    const float a = pairs.a[i], b = pairs.b[i];
+    if (std::isinf(a) || std::isinf(b) || (a == 0 && b == 0)) continue;
+    const double expected = power_heuristic(a, b);
+    EXPECT_NEAR(pairs.weight[i], expected, tolerance(expected)) << a << " " << b;
+  }
+}
+
+// 2u: each of the two weights is rounded once at its end, and the errors of the shared ratio cancel.
+TEST(mis_test, weights_of_two_strategies_sum_to_one) {
+  const std::size_t n = grid().size();
+  const Pairs pairs = run_grid();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      const float w = pairs.weight[i * n + j], other = pairs.weight[j * n + i];
+      EXPECT_TRUE(w >= 0 && w <= 1) << pairs.a[i * n + j] << " " << pairs.b[i * n + j] << " -> " << w;
+      if (pairs.a[i * n + j] == 0 && pairs.b[i * n + j] == 0) continue;
+      EXPECT_NEAR(static_cast<double>(w) + other, 1, 2 * unit_roundoff) << pairs.a[i * n + j] << " " << pairs.b[i * n + j];
+    }
+}
+
+TEST(mis_test, limits_of_the_power_heuristic) {
+  const std::vector<float> a{0.0f, infinity, 1.0f, infinity, 0.0f, infinity, 0.0f, 5.0f, FLT_MAX, FLT_MIN};
+  const std::vector<float> b{0.0f, 1.0f, infinity, infinity, infinity, 0.0f, 1.0f, 0.0f, FLT_MAX, FLT_MIN};
+  const std::vector<float> expected{0.0f, 1.0f, 0.0f, 0.5f, 0.0f, 1.0f, 0.0f, 1.0f, 0.5f, 0.5f};
+  EXPECT_EQ(run_pairs(a, b).weight, expected);
+}

@@ -10,6 +10,8 @@
 
 namespace oclair::test {
 
+inline constexpr double unit_roundoff = 0x1p-24;  // u, of float32
+
 inline packed_float3 packed(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }

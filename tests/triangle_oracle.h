@@ -10,8 +10,6 @@
 
 namespace oclair::test {
 
-inline constexpr double unit_roundoff = 0x1p-24;  // u
-
 using Corners = std::array<packed_float3, 3>;
 
 // Sheared vertices a_x = (v_x - o_x) - s_x a_z, edge functions U = c_x b_y - c_y b_x, ...; in float each sheared coordinate errs by

@@ -6,15 +6,21 @@
 #include "rng.h"
 
 // Moves a ray's origin forward to the box [-1, 1]^3 that holds the scene, if it lies outside: the conservative box test and the
-// triangle test then work on coordinates below 1, however far away the camera is. Leaves rays alone that miss the box.
+// triangle test then work on coordinates below 1 + 2^-15, however far away the camera is. The way is computed to 3 u of its length:
+// each step stops 16 u short, so that nothing in the box is passed over, from up to 2^25 away (there the rounding of the first stop
+// takes the ray 2^-18 off its line); after three steps at most 2^-60 of the way is left. A ray that misses the box is moved beyond it.
 INLINE void camera_enter_scene(Ray *ray) {
   float3 o = unpack3(ray->origin), d = unpack3(ray->direction);
   float3 reciprocal = 1.0f / copysign(fmax(fabs(d), (float3)(0x1p-40f)), d);
-  float3 near = (-copysign((float3)(1.0f), d) - o) * reciprocal;
-  float enter = max_component(near);
-  if (!(enter > 0.0f)) return;
-  ray->origin = pack3(fma(d, (float3)(enter), o));
-  ray->t_max -= enter;
+  float3 side = -copysign((float3)(1.0f + 0x1p-16f), d);
+  for (int step = 0; step < 3; ++step) {
+    float enter = max_component((side - o) * reciprocal);
+    if (!(enter > 0.0f)) break;
+    enter = fma(enter, -0x1p-20f, enter);
+    o = fma(d, (float3)(enter), o);
+    ray->t_max -= enter;
+  }
+  ray->origin = pack3(o);
 }
 
 // Ray through film position (x, y) in pixels, between the clip planes.

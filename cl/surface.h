@@ -8,7 +8,7 @@
 
 typedef struct Surface {
   float3 position;
-  float3 error;      // bound of the rounding error of each coordinate
+  float3 error;      // dot(|normal|, error) bounds how far rounding has moved the point off the surface
   float3 geometric;  // unit normal of the true surface, on the side of the ray's origin
   Frame frame;       // z: shading normal, on the same side
   uint shape;

@@ -131,9 +131,9 @@ static __attribute__((noinline)) Hit traverse_closest(const Scene *scene, const 
   return hit;
 }
 
-// True if something lies strictly between the ray's two ends.
+// True if something lies strictly between the ray's two ends: the intersection routines take t <= t_max, t < t_max is wanted.
 static __attribute__((noinline)) bool traverse_any(const Scene *scene, const Ray *ray) {
-  Hit hit = {ray->t_max, 0.0f, 0.0f, NONE, 0u};
+  Hit hit = {nextafter(ray->t_max, 0.0f), 0.0f, 0.0f, NONE, 0u};
   traverse(scene, ray, &hit, true);
   return hit.primitive != NONE;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "error.h"
@@ -58,8 +59,11 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
   for (const glm::uvec3& triangle : mesh.triangles) {
     const glm::uvec3 v = triangle + glm::uvec3(static_cast<uint>(first_position));
     const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
+    // The device forms the normal from edges rounded to float32: where those are parallel, or their cross product below what float32
+    // holds, there is none.
+    const glm::dvec3 normal = glm::abs(glm::cross(unpack(pack(p1 - p0)), unpack(pack(p2 - p0))));
     const double area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
-    if (!(area > 0.0)) {
+    if (!(area > 0.0) || !(largest(normal) >= std::numeric_limits<float>::min())) {
       ++scene.degenerate_primitives;
       continue;
     }

@@ -83,7 +83,7 @@ TEST(mesh_test, smooth_normals_do_not_depend_on_scale) {
   }
 }
 
-TEST(mesh_test, degenerate_triangles_do_not_disturb_normals) {
+TEST(mesh_test, degenerate_primitives_do_not_disturb_normals) {
   const auto mesh = to_world(parse_obj(TRIANGLE + "f 1 2 3\nf 1 1 2\n"), {});
   EXPECT_EQ(mesh.triangles.size(), 2u);
   for (const auto& n : mesh.normals) expect_near(n, Z, 0);

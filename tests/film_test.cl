@@ -1,0 +1,21 @@
+#include "film.h"
+
+// Work item i adds samples [i * per_pixel, (i + 1) * per_pixel) to pixel place[i], each `repeat` times.
+__kernel void add(uint count, __global const uint *place, __global const packed_float3 *samples, uint per_pixel, uint repeat, int exponent,
+                  __global FilmPixel *pixels, __global FilmMoments *moments) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  for (uint k = 0; k < per_pixel; ++k)
+    for (uint r = 0; r < repeat; ++r)
+      film_add(pixels + place[i], moments + place[i], unpack3(samples[i * per_pixel + k]), (k & 1u) == 0u, exponent);
+}
+
+__kernel void accepts(uint count, __global const float *x, __global const int *exponent, __global uint *result) {
+  size_t i = get_global_id(0);
+  if (i < count) result[i] = film_accepts(x[i], exponent[i]);
+}
+
+__kernel void accumulate(uint count, __global ulong *sums, uint limbs, __global const ulong *value, __global const int *shift) {
+  size_t i = get_global_id(0);
+  if (i < count) film_accumulate(sums + i * limbs, (int)limbs, value[i], shift[i]);
+}

@@ -1,0 +1,313 @@
+// The film's exact sums against integer arithmetic on the host.
+#include "../host/film.h"
+
+#include <cstring>
+
+#include "kernel.h"
+#include "random.h"
+
+using namespace oclair;
+using namespace oclair::test;
+
+namespace {
+
+__extension__ typedef unsigned __int128 Uint128;
+using Wide = std::array<cl_ulong, 3>;
+
+Wide plus(Wide a, const Wide& b) {
+  unsigned carry = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Uint128 sum = static_cast<Uint128>(a[i]) + b[i] + carry;
+    a[i] = static_cast<cl_ulong>(sum);
+    carry = static_cast<unsigned>(sum >> 64);
+  }
+  return a;
+}
+
+// x, not negative, rounded to the nearest integer, ties up. x has at most 48 significant bits, long double 64: x + 1/2 is exact
+// where it matters, and so is everything else.
+Wide rounded(long double x) {
+  if (x < 0x1p52L) x = std::floor(x + 0.5L);
+  Wide limbs;
+  limbs[2] = static_cast<cl_ulong>(std::floor(std::ldexp(x, -128)));
+  x -= std::ldexp(static_cast<long double>(limbs[2]), 128);
+  limbs[1] = static_cast<cl_ulong>(std::floor(std::ldexp(x, -64)));
+  x -= std::ldexp(static_cast<long double>(limbs[1]), 64);
+  limbs[0] = static_cast<cl_ulong>(x);
+  return limbs;
+}
+
+struct Sums {
+  std::array<Wide, 3> sum{}, square{};
+  cl_ulong rejected = 0, hits = 0;
+};
+
+bool acceptable(float x, int exponent) {
+  return std::isfinite(x) && x >= 0.0f && static_cast<long double>(x) < std::ldexp(1.0L, exponent + FILM_HEADROOM_BITS);
+}
+
+Sums expected_sums(const packed_float3* samples, std::size_t n, int exponent) {
+  Sums s;
+  for (std::size_t k = 0; k < n; ++k) {
+    const float x[3] = {samples[k].x, samples[k].y, samples[k].z};
+    if (!acceptable(x[0], exponent) || !acceptable(x[1], exponent) || !acceptable(x[2], exponent)) {
+      ++s.rejected;
+      continue;
+    }
+    s.hits += k % 2 == 0;
+    for (int c = 0; c < 3; ++c) {
+      const long double v = x[c];
+      s.sum[c] = plus(s.sum[c], rounded(std::ldexp(v, FILM_FRACTION_BITS - exponent)));
+      s.square[c] = plus(s.square[c], rounded(std::ldexp(v * v, 2 * (FILM_MOMENT_FRACTION_BITS - exponent))));
+    }
+  }
+  return s;
+}
+
+void expect_sums(const FilmPixel& pixel, const FilmMoments& moments, const Sums& s) {
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(s.sum[c][2], 0u);
+    EXPECT_EQ(pixel.sum[c][0], s.sum[c][0]);
+    EXPECT_EQ(pixel.sum[c][1], s.sum[c][1]);
+    for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(moments.square[c][limb], s.square[c][limb]);
+  }
+  EXPECT_EQ(pixel.rejected, s.rejected);
+  EXPECT_EQ(pixel.hits, s.hits);
+}
+
+struct Pixels {
+  std::vector<FilmPixel> pixels;
+  std::vector<FilmMoments> moments;
+  explicit Pixels(std::size_t n) : pixels(n), moments(n) {}
+};
+
+void add(Pixels& film, const std::vector<cl_uint>& place, const std::vector<packed_float3>& samples, int exponent, cl_uint repeat = 1) {
+  run("film_test.cl", "add", place.size(), place, samples, static_cast<cl_uint>(samples.size() / place.size()), repeat,
+      static_cast<cl_int>(exponent), out(film.pixels), out(film.moments));
+}
+
+std::vector<cl_uint> all_places(std::size_t n) {
+  std::vector<cl_uint> place(n);
+  for (std::size_t i = 0; i < n; ++i) place[i] = static_cast<cl_uint>(i);
+  return place;
+}
+
+// A positive float of any exponent, denormals included, that the film accepts.
+float any_float(Random& random, int exponent) {
+  while (true) {
+    const auto bits = static_cast<cl_uint>(random.engine() & 0x7fffffffu);
+    float x;
+    std::memcpy(&x, &bits, sizeof x);
+    if (acceptable(x, exponent)) return random.below(50) == 0 ? 0.0f : x;
+  }
+}
+
+// Where the sums resolve it: in the 2^-60 .. 2^40 around 2^exponent.
+float typical_float(Random& random, int exponent) {
+  return std::ldexp(1.0f + random.unit24(), exponent - 60 + static_cast<int>(random.below(100)));
+}
+
+}  // namespace
+
+TEST(film_test, sums_and_squares_of_floats_of_every_exponent_are_the_exact_integers) {
+  Random random(1);
+  for (const int exponent : {0, 3, -40, 60, -120, 88}) {
+    const std::size_t pixels = count_or_small(400, 4), each = count_or_small(100, 5);
+    std::vector<packed_float3> samples;
+    for (std::size_t i = 0; i < pixels * each; ++i) {
+      const auto draw = [&] { return i % 2 ? any_float(random, exponent) : std::min(typical_float(random, exponent), 3e38f); };
+      const float x = draw(), y = draw(), z = draw();
+      samples.push_back({x, y, z});
+    }
+    Pixels film(pixels);
+    add(film, all_places(pixels), samples, exponent);
+    for (std::size_t i = 0; i < pixels; ++i) expect_sums(film.pixels[i], film.moments[i], expected_sums(&samples[i * each], each, exponent));
+  }
+}
+
+// Halves of the last unit round up, anything below them down.
+TEST(film_test, a_sample_is_rounded_to_the_nearest_unit_and_ties_go_up) {
+  const auto unit = [](float x) { return std::ldexp(x, -FILM_FRACTION_BITS); };
+  const std::vector<packed_float3> samples = {{unit(0.5f), unit(std::nextafter(0.5f, 0.0f)), unit(1.5f)}, {unit(2.5f), unit(1.0f), unit(3.4999998f)}};
+  Pixels film(2);
+  add(film, all_places(2), samples, 0);
+  EXPECT_EQ(film.pixels[0].sum[0][0], 1u);
+  EXPECT_EQ(film.pixels[0].sum[1][0], 0u);
+  EXPECT_EQ(film.pixels[0].sum[2][0], 2u);
+  EXPECT_EQ(film.pixels[1].sum[0][0], 3u);
+  EXPECT_EQ(film.pixels[1].sum[1][0], 1u);
+  EXPECT_EQ(film.pixels[1].sum[2][0], 3u);
+}
+
+TEST(film_test, carries_run_through_all_limbs) {
+  Random random(2);
+  for (const cl_uint limbs : {2u, 3u}) {
+    const std::size_t n = count_or_small(20000, 50);
+    std::vector<cl_ulong> sums(n * limbs), value(n);
+    std::vector<cl_int> shift(n);
+    std::vector<Wide> exact(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (cl_uint l = 0; l < limbs; ++l) sums[i * limbs + l] = random.below(3) == 0 ? random.engine() : ~cl_ulong{0} << random.below(8);
+      sums[i * limbs + limbs - 1] >>= 1;  // room for the last carry
+      value[i] = random.engine() >> (16 + random.below(48));
+      if (random.below(4) == 0) value[i] = (cl_ulong{1} << 48) - 1;
+      shift[i] = static_cast<int>(random.below(limbs * 64 - 49)) - (random.below(3) == 0 ? 70 : 0);
+      Wide before{};
+      for (cl_uint l = 0; l < limbs; ++l) before[l] = sums[i * limbs + l];
+      exact[i] = plus(before, rounded(std::ldexp(static_cast<long double>(value[i]), shift[i])));
+    }
+    run("film_test.cl", "accumulate", n, out(sums), limbs, value, shift);
+    for (std::size_t i = 0; i < n; ++i)
+      for (cl_uint l = 0; l < limbs; ++l) EXPECT_EQ(sums[i * limbs + l], exact[i][l]) << i << " shift " << shift[i];
+  }
+}
+
+TEST(film_test, the_sum_does_not_depend_on_the_order_of_the_samples) {
+  Random random(3);
+  const std::size_t each = count_or_small(2000, 10);
+  std::vector<packed_float3> samples(each);
+  for (packed_float3& s : samples) s = {typical_float(random, 0), any_float(random, 0), typical_float(random, 0)};
+  std::vector<packed_float3> orders;
+  for (int i = 0; i < 8; ++i) {
+    orders.insert(orders.end(), samples.begin(), samples.end());
+    std::shuffle(samples.begin(), samples.end(), random.engine);
+  }
+  Pixels film(8);
+  add(film, all_places(8), orders, 0);
+  for (int i = 1; i < 8; ++i) {
+    EXPECT_EQ(std::memcmp(film.pixels[0].sum, film.pixels[i].sum, sizeof film.pixels[0].sum), 0);
+    EXPECT_EQ(std::memcmp(&film.moments[0], &film.moments[i], sizeof(FilmMoments)), 0);
+  }
+}
+
+// Extreme X5: one bad channel leaves out the whole sample, is counted, and touches nothing else.
+TEST(film_test, samples_that_are_not_finite_negative_or_too_large_are_counted_and_left_out) {
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float bad : {nan, -nan, inf, -inf, -1.0f, -1e-45f, 0x1p40f, 3e38f}) {
+    for (int channel = 0; channel < 3; ++channel) {
+      packed_float3 sample{0.25f, 0.5f, 0.75f};
+      (channel == 0 ? sample.x : channel == 1 ? sample.y : sample.z) = bad;
+      Pixels film(3);
+      for (std::size_t i = 0; i < 3; ++i) {
+        std::memset(&film.pixels[i], 0x11 * static_cast<int>(i + 1), sizeof(FilmPixel));
+        std::memset(&film.moments[i], 0x22, sizeof(FilmMoments));
+      }
+      Pixels before = film;
+      add(film, {1}, {sample}, 0);
+      ++before.pixels[1].rejected;
+      EXPECT_EQ(std::memcmp(film.pixels.data(), before.pixels.data(), 3 * sizeof(FilmPixel)), 0) << bad;
+      EXPECT_EQ(std::memcmp(film.moments.data(), before.moments.data(), 3 * sizeof(FilmMoments)), 0) << bad;
+    }
+  }
+}
+
+TEST(film_test, the_limit_of_acceptance_is_finite_not_negative_and_below_the_headroom) {
+  Random random(4);
+  std::vector<float> x;
+  std::vector<cl_int> exponent;
+  std::vector<float> special = {0.0f, -0.0f, 1e-45f, -1e-45f, 3.4028234e38f, -3.4028234e38f, std::numeric_limits<float>::infinity(),
+                                -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()};
+  for (const int e : {-300, -190, -167, -166, -126, -40, 0, 1, 40, 86, 87, 88, 100, 127, 1000}) {
+    std::vector<float> values = special;
+    const float limit = static_cast<float>(std::ldexp(1.0, std::clamp(e + FILM_HEADROOM_BITS, -149, 128)));
+    values.insert(values.end(), {limit, std::nextafter(limit, 0.0f), -limit, 0.5f * limit});
+    for (int i = 0; i < 100; ++i) values.push_back(any_float(random, 1000));
+    for (const float v : values) {
+      x.push_back(v);
+      exponent.push_back(e);
+    }
+  }
+  std::vector<cl_uint> result(x.size());
+  run("film_test.cl", "accepts", x.size(), x, exponent, out(result));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    // Below 2^-126 the limit is not resolved: denormals and 0 are accepted there, and add nothing.
+    const int limit = std::max(exponent[i] + FILM_HEADROOM_BITS, -126);
+    const bool fits = std::isfinite(x[i]) && x[i] >= 0.0f && static_cast<long double>(x[i]) < std::ldexp(1.0L, limit);
+    EXPECT_EQ(result[i] != 0, fits) << x[i] << " " << exponent[i];
+  }
+}
+
+// Extreme X27: 2^28 samples of 0.1f. All but 2^20 of them stand in the sum already, as the integer that they make.
+TEST(film_test, the_mean_of_2_to_the_28_equal_samples_is_the_sample) {
+  const cl_uint added = static_cast<cl_uint>(count_or_small(std::size_t{1} << 20, 64));
+  const std::uint64_t total = std::uint64_t{1} << 28;
+  const auto unit = static_cast<cl_ulong>(std::ldexp(static_cast<double>(0.1f), FILM_FRACTION_BITS));  // 24 bits above 2^-27: an integer
+  const auto square = static_cast<Uint128>(std::ldexp(static_cast<double>(0.1f) * static_cast<double>(0.1f), 2 * FILM_MOMENT_FRACTION_BITS));
+  Pixels film(1);
+  for (int c = 0; c < 3; ++c) {
+    const Uint128 preset = static_cast<Uint128>(unit) * (total - added), squares = square * (total - added);
+    film.pixels[0].sum[c][0] = static_cast<cl_ulong>(preset);
+    film.pixels[0].sum[c][1] = static_cast<cl_ulong>(preset >> 64);
+    film.moments[0].square[c][0] = static_cast<cl_ulong>(squares);
+    film.moments[0].square[c][1] = static_cast<cl_ulong>(squares >> 64);
+  }
+  add(film, {0}, {{0.1f, 0.1f, 0.1f}}, 0, added);
+  Film read{1, 1, 0, total, film.pixels, film.moments};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(pixel_mean(read, 0)[c], static_cast<double>(0.1f));
+    EXPECT_EQ(pixel_mean_square(read, 0)[c], static_cast<double>(0.1f) * static_cast<double>(0.1f));
+  }
+}
+
+// Extreme X28: samples and exponent times 2^k give the same integers.
+TEST(film_test, scaling_samples_and_exponent_by_a_power_of_two_changes_no_bit) {
+  Random random(5);
+  const std::size_t n = count_or_small(3000, 20);
+  std::vector<packed_float3> samples;
+  for (std::size_t i = 0; i < n; ++i) samples.push_back({random.unit24(), std::ldexp(random.unit24(), -20), std::ldexp(random.unit24(), 20)});
+  Pixels plain(1);
+  add(plain, {0}, samples, 0);
+  for (const int k : {-60, -1, 1, 60}) {
+    std::vector<packed_float3> scaled;
+    for (const packed_float3& s : samples) scaled.push_back({std::ldexp(s.x, k), std::ldexp(s.y, k), std::ldexp(s.z, k)});
+    Pixels film(1);
+    add(film, {0}, scaled, k);
+    EXPECT_EQ(std::memcmp(&film.pixels[0], &plain.pixels[0], sizeof(FilmPixel)), 0) << k;
+    EXPECT_EQ(std::memcmp(&film.moments[0], &plain.moments[0], sizeof(FilmMoments)), 0) << k;
+    const Film here{1, 1, k, n, film.pixels, film.moments}, there{1, 1, 0, n, plain.pixels, plain.moments};
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(pixel_mean(here, 0)[c], std::ldexp(pixel_mean(there, 0)[c], k));
+      EXPECT_EQ(pixel_mean_square(here, 0)[c], std::ldexp(pixel_mean_square(there, 0)[c], 2 * k));
+    }
+  }
+}
+
+// Mean and mean square of the accepted samples. Three roundings to the 64 bits of long double and one to double: less than
+// (1/2 + 2^-9) ulp of double, which is 2^-52 (1/2 + 2^-9) relative.
+TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
+  Random random(6);
+  const std::size_t n = count_or_small(2000, 20), bad = 7;
+  std::vector<packed_float3> samples;
+  std::array<__float128, 3> sum{}, square{};
+  std::uint64_t hits = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    packed_float3 s{random.unit24(), 100.0f * random.unit24(), 1e-3f + std::ldexp(random.unit24(), -8)};
+    if (i < bad) s.y = -1.0f;
+    samples.push_back(s);
+    if (i < bad) continue;
+    hits += i % 2 == 0;
+    const float x[3] = {s.x, s.y, s.z};
+    for (int c = 0; c < 3; ++c) {
+      sum[c] += x[c];
+      square[c] += static_cast<__float128>(x[c]) * x[c];
+    }
+  }
+  Pixels film(2);
+  add(film, {1}, samples, 0);
+  const Film read{2, 1, 0, n, film.pixels, film.moments};
+  EXPECT_EQ(pixel_mean(read, 0), (std::array<double, 3>{}));  // n samples of nothing
+  for (int c = 0; c < 3; ++c) {
+    const double mean = static_cast<double>(sum[c] / (n - bad)), mean_square = static_cast<double>(square[c] / (n - bad));
+    const double rounding = 0x1p-52 * (1.0 + 0x1p-8);  // the oracle's own half ulp included
+    EXPECT_NEAR(pixel_mean(read, 1)[c], mean, rounding * mean);
+    // Each square is rounded to 2^-76.
+    EXPECT_NEAR(pixel_mean_square(read, 1)[c], mean_square, rounding * mean_square + 0x1p-76);
+  }
+  EXPECT_EQ(pixel_alpha(read, 1), static_cast<double>(hits) / static_cast<double>(n - bad));
+  EXPECT_EQ(rejected_samples(read), bad);
+  Film none{1, 1, 0, 3, {FilmPixel{}}, {FilmMoments{}}};
+  none.pixels[0].rejected = 3;
+  EXPECT_EQ(pixel_mean(none, 0), (std::array<double, 3>{}));
+  EXPECT_EQ(pixel_mean_square(none, 0), (std::array<double, 3>{}));
+  EXPECT_EQ(pixel_alpha(none, 0), 0.0);
+}

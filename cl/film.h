@@ -53,15 +53,17 @@ INLINE void film_add(__global FilmPixel *pixel, __global FilmMoments *moments, f
     return;
   }
   pixel->hits += hit;
+  ulong mantissa[3];
+  int power[3];
   for (int c = 0; c < 3; ++c) {
-    ulong mantissa;
-    int shift = film_split(channel[c], &mantissa) - (exponent - FILM_FRACTION_BITS);
-    film_accumulate(pixel->sum[c], 2, mantissa, shift);
-    if (HAS(MOMENTS)) {
-      int root = shift - (FILM_FRACTION_BITS - FILM_MOMENT_FRACTION_BITS);
-      film_accumulate(moments->square[c], 3, mantissa * mantissa, 2 * root);
-    }
+    power[c] = film_split(channel[c], &mantissa[c]);
+    film_accumulate(pixel->sum[c], 2, mantissa[c], power[c] - (exponent - FILM_FRACTION_BITS));
   }
+  if (!HAS(MOMENTS)) return;
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b)
+      film_accumulate(moments->product[MOMENT_INDEX(a, b)], 3, mantissa[a] * mantissa[b],
+                      power[a] + power[b] - 2 * (exponent - FILM_MOMENT_FRACTION_BITS));
 }
 
 #endif

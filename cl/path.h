@@ -52,6 +52,14 @@ INLINE void path_emission(const Scene *scene, PathState *path, Hit hit, const Su
   path_add_emission(path, unpack3(light.radiance), pdf);
 }
 
+// A camera ray goes on behind a shape that emits, as if it were not there: hide_emitters.
+INLINE void path_pass_through(PathState *path, Hit hit, const Surface *surface) {
+  path->ray.origin =
+      pack3(surface_offset(surface->position, surface->error, surface->geometric, unpack3(path->ray.direction)));
+  path->ray.t_max -= hit.t;
+  path->ray.skip = hit.primitive;
+}
+
 // Next-event estimation: the shadow ray to a point of a light chosen by power.
 INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, const Surface *surface, uint primitive,
                                  const Material *material, ulong key) {
@@ -118,8 +126,12 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   }
   Surface surface = surface_from_hit(scene, &path->ray, hit);
   Shape shape = scene->shapes[surface.shape];
+  if (HAS_AREA_LIGHTS && scene->settings->hide_emitters && path->depth == 0u && shape.first_light != NONE) {
+    path_pass_through(path, hit, &surface);
+    return none;
+  }
   path->hit_anything |= path->depth == 0u;
-  if (!(scene->settings->hide_emitters && path->depth == 0u)) path_emission(scene, path, hit, &surface, shape);
+  path_emission(scene, path, hit, &surface, shape);
 
   uint material_index = surface.front ? shape.material_front : shape.material_back;
   if (material_index == NONE || path->depth + 1u >= min(scene->settings->max_depth, HARD_DEPTH)) {

@@ -9,13 +9,14 @@
 namespace oclair {
 using uint = std::uint32_t;
 using ulong = std::uint64_t;
+inline constexpr uint NONE = 0xffffffffu;  // no shape, no material, no light, no primitive; as a macro it breaks other headers
 #else
+#define NONE 0xffffffffu
 // PoCL contracts a*b-c into fma by default, which breaks the antisymmetry that watertight edges rest on (Woop et al. 2013).
 // Every kernel source includes this file first; where a fused operation is wanted, fma() is written.
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 
-#define NONE 0xffffffffu         // no shape, no material, no light, no primitive
 #define QUADRIC_BIT 0x80000000u  // set in the id of a primitive that is a quadric and not a triangle
 #define LEAF_BIT 0x80000000u     // set in a child reference that is a leaf (see BvhNode)
 #define LEAF_COUNT_SHIFT 27      // 4 bits above it: blocks in the leaf; 0 means a single quadric
@@ -129,7 +130,7 @@ typedef struct Settings {
 } Settings;
 
 #define FILM_FRACTION_BITS 54         // bits of a film sum below 2^film_exponent
-#define FILM_MOMENT_FRACTION_BITS 38  // bits of the root of a film square below 2^film_exponent
+#define FILM_MOMENT_FRACTION_BITS 38  // half the bits of a film product below 2^film_exponent
 #define FILM_HEADROOM_BITS 40         // a sample of 2^(film_exponent + this) or more is rejected and counted
 
 // Exact sums: 128-bit two's complement integers, least significant limb first. Integer addition is associative, so the film
@@ -141,8 +142,11 @@ typedef struct FilmPixel {
 } FilmPixel;
 
 typedef struct FilmMoments {
-  ulong square[3][3];  // 192-bit sums of squares, in units of 2^(2 (film_exponent - FILM_MOMENT_FRACTION_BITS))
+  ulong product[6][3];  // 192-bit sums of products of two channels, in units of 2^(2 (film_exponent - FILM_MOMENT_FRACTION_BITS))
 } FilmMoments;
+
+// Where the product of channels a and b stands: rr, gg, bb, rg, rb, gb.
+#define MOMENT_INDEX(a, b) ((a) == (b) ? (a) : (a) + (b) + 2)
 
 // Where a path stands between two stages.
 typedef struct PathState {

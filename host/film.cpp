@@ -26,12 +26,14 @@ std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel) {
   return mean;
 }
 
-std::array<double, 3> pixel_mean_square(const Film& film, std::size_t pixel) {
-  std::array<double, 3> mean{};
+glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel) {
+  glm::dmat3 mean(0.0);
   const std::uint64_t n = accepted(film, pixel);
-  for (int c = 0; c < 3 && n > 0; ++c)
-    mean[c] = static_cast<double>(value(film.moments[pixel].square[c], 3, 2 * (film.exponent - FILM_MOMENT_FRACTION_BITS)) /
-                                  static_cast<long double>(n));
+  for (int a = 0; a < 3 && n > 0; ++a)
+    for (int b = 0; b < 3; ++b)
+      mean[a][b] = static_cast<double>(value(film.moments[pixel].product[MOMENT_INDEX(a, b)], 3,
+                                             2 * (film.exponent - FILM_MOMENT_FRACTION_BITS)) /
+                                       static_cast<long double>(n));
   return mean;
 }
 

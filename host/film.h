@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 
 #include "render.h"
 
@@ -11,8 +12,8 @@ namespace oclair {
 // Mean radiance of a pixel over its accepted samples, W/(m^2 sr); 0 without any. Rounded once.
 std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel);
 
-// Mean of the squares, likewise. Only if the film has moments.
-std::array<double, 3> pixel_mean_square(const Film& film, std::size_t pixel);
+// Mean of the products of the channels, red, green, blue by red, green, blue: the second moments. Only if the film has them.
+glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel);
 
 // Share of the accepted samples that met something, in [0, 1].
 double pixel_alpha(const Film& film, std::size_t pixel);

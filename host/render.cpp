@@ -27,6 +27,17 @@ cl::Buffer zeroed(const Device& device, std::size_t bytes) {
   return buffer;
 }
 
+// Blocks until it is done.
+void launch(Renderer& renderer, std::size_t base, std::size_t items, uint samples) {
+  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 2;
+  renderer.kernel.setArg(first, static_cast<cl_uint>(base));
+  renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.samples));
+  renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
+  const cl::CommandQueue& queue = renderer.device->queue;
+  queue.enqueueNDRangeKernel(renderer.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
+  queue.finish();
+}
+
 }  // namespace
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) { return {scene.features, bvh.width, bvh.stack_size()}; }
@@ -41,26 +52,20 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) 
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film);
     renderer.kernel.setArg(next + 1, renderer.moments);
-    device.queue.finish();
+    launch(renderer, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
     return renderer;
   } catch (const cl::Error& error) {
     throw device_error(device, error);
   }
 }
 
-void render_pass(Renderer& renderer, uint samples, const std::function<void(std::size_t, std::size_t)>& progress) {
+void render_pass(Renderer& renderer, uint samples, const std::function<void(double)>& progress) {
   const std::size_t count = padded_pixels(renderer.settings);
-  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 2;
-  const cl::CommandQueue& queue = renderer.device->queue;
   try {
     for (std::size_t base = 0; base < count; base += max_launch) {
       const std::size_t items = std::min(max_launch, count - base);
-      renderer.kernel.setArg(first, static_cast<cl_uint>(base));
-      renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.samples));
-      renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
-      queue.enqueueNDRangeKernel(renderer.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
-      queue.finish();
-      if (progress) progress(base + items, count);
+      launch(renderer, base, items, samples);
+      if (progress) progress(static_cast<double>(base + items) / static_cast<double>(count));
     }
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);

@@ -32,9 +32,9 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
 // Compiles and uploads. The device must outlive the renderer. Throws Error(Exit::device).
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh);
 
-// Adds `samples` samples to every pixel. `progress(done, total)` is called after each launch, with launches counted; if it
-// returns false the pass is finished all the same, without further calls. Throws Error(Exit::device).
-void render_pass(Renderer& renderer, uint samples, const std::function<void(std::size_t, std::size_t)>& progress = {});
+// Adds `samples` samples to every pixel. `progress` is told, after each launch, the share of the pass that is done, in (0, 1].
+// Throws Error(Exit::device).
+void render_pass(Renderer& renderer, uint samples, const std::function<void(double)>& progress = {});
 
 Film read_film(const Renderer& renderer);
 

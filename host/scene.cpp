@@ -60,7 +60,7 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
     const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
     const double area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
     if (!(area > 0.0)) {
-      ++scene.degenerate_triangles;
+      ++scene.degenerate_primitives;
       continue;
     }
     const uint primitive = static_cast<uint>(scene.triangles.size());
@@ -107,7 +107,7 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
     const glm::dvec3 column(map[c]);
     const double length2 = glm::dot(column, column);
     if (!(length2 > 0.0)) {  // no extent: nothing can hit it
-      ++scene.degenerate_triangles;
+      ++scene.degenerate_primitives;
       return;
     }
     *axes[c] = pack(column / length2);  // row of the inverse: the columns are orthogonal

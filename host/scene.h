@@ -20,7 +20,7 @@ struct Scene {
   // Input of the BVH, which keeps what it needs of them.
   std::vector<packed_float3> positions;
   std::vector<packed_uint3> triangles;   // indices into positions; none has zero area
-  std::uint64_t degenerate_triangles = 0;  // left out
+  std::uint64_t degenerate_primitives = 0;  // left out
 
   std::vector<Quadric> quadrics;
   std::vector<Shape> shapes;

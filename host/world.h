@@ -67,6 +67,7 @@ struct WorldIntegrator {
   uint rr_depth = 5;
   bool hide_emitters = false;
   bool moments = false;           // second-moment channels are wanted
+  std::string moment_name;        // and how their names begin
 };
 
 struct World {

@@ -1,0 +1,143 @@
+#include "bsdf_reader.h"
+
+#include <limits>
+
+#include "conductors.h"
+#include "property.h"
+#include "refractive_indices.h"
+
+namespace oclair {
+
+namespace {
+
+constexpr double MAX_INDEX = 1e6;
+
+packed_float3 packed(glm::dvec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+
+void refuse_children(const Element& element) {
+  if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));
+}
+
+Material diffuse(Element& element) {
+  Material material{};
+  material.kind = MATERIAL_DIFFUSE;
+  material.reflectance = packed(reflectance_property(element, "reflectance", 0.5));
+  return material;
+}
+
+Material conductor(Element& element) {
+  Material material{};
+  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
+  const auto name = string_property(element, "material").value_or("none");
+  const bool has_indices = has_property(element, "eta") || has_property(element, "k");
+  if (name != "none") {
+    if (has_indices)
+      refuse(where_is(element, "material"), "\"material\" of " + describe(element) + " excludes \"eta\" and \"k\"");
+    const auto* preset = find_conductor(name);
+    if (!preset) {
+      std::string list = "none";
+      for (const auto& known : conductors()) list += ", " + std::string(known.name);
+      refuse(where_is(element, "material"),
+             "material=\"" + name + "\" of " + describe(element) + " is not known (known: " + list + ")");
+    }
+    material.kind = MATERIAL_CONDUCTOR;
+    material.conductor_eta = packed(preset->eta);
+    material.conductor_k = packed(preset->k);
+    return material;
+  }
+  if (!has_indices) {
+    material.kind = MATERIAL_MIRROR;
+    return material;
+  }
+  material.kind = MATERIAL_CONDUCTOR;
+  material.conductor_eta = packed(index_property(element, "eta", 0.0));
+  material.conductor_k = packed(index_property(element, "k", 1.0));
+  return material;
+}
+
+// A number, or a name of the table.
+double refractive_index(Element& element, const std::string& name, const std::string& missing) {
+  const bool by_name = !has_property(element, name) || std::holds_alternative<std::string>([&] {
+    for (const auto& property : element.properties)
+      if (property.name == name) return property.value;
+    return Value{};
+  }());
+  if (!by_name) {
+    const double value = number_property(element, name, 1.0);
+    if (!(value > 0.0 && value <= MAX_INDEX))
+      refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " lies outside (0, 1e6]");
+    return value;
+  }
+  const auto medium = string_property(element, name).value_or(missing);
+  const auto value = find_refractive_index(medium);
+  if (!value)
+    refuse(where_is(element, name),
+           name + "=\"" + medium + "\" of " + describe(element) + " is not known (known: " + refractive_index_names() + ")");
+  return *value;
+}
+
+Material dielectric(Element& element) {
+  Material material{};
+  material.kind = MATERIAL_DIELECTRIC;
+  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
+  material.transmittance = packed(reflectance_property(element, "specular_transmittance", 1.0));
+  material.eta =
+      static_cast<float>(refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air"));
+  return material;
+}
+
+SurfaceMaterials twosided(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
+  const auto& element = document.elements[index];
+  if (element.children.empty() || element.children.size() > 2)
+    refuse(element.where, describe(element) + " holds " + std::to_string(element.children.size()) +
+                              " objects, one or two <bsdf> are expected");
+  SurfaceMaterials sides[2];
+  for (std::size_t i = 0; i < element.children.size(); ++i) {
+    const auto& child = element.children[i];
+    if (document.elements[child.element].tag != "bsdf")
+      refuse(child.where, describe(document.elements[child.element]) + " is not supported in " + describe(element) +
+                              " (supported: bsdf)");
+    sides[i] = read_bsdf(document, child.element, known, world);
+    if (world.materials[sides[i].front].kind == MATERIAL_DIELECTRIC)
+      refuse(child.where, describe(document.elements[child.element]) + " lets light through and cannot be nested in " +
+                              describe(element));
+  }
+  return {sides[0].front, sides[element.children.size() - 1].front};
+}
+
+}  // namespace
+
+SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
+  if (const auto found = known.find(index); found != known.end()) return found->second;
+  auto& element = document.elements[index];
+  SurfaceMaterials result;
+  if (element.type == "twosided") {
+    result = twosided(document, index, known, world);
+  } else {
+    Material material;
+    if (element.type == "diffuse")
+      material = diffuse(element);
+    else if (element.type == "conductor")
+      material = conductor(element);
+    else if (element.type == "dielectric")
+      material = dielectric(element);
+    else
+      refuse(element.where, describe(element) + " is not supported (supported: conductor, dielectric, diffuse, twosided)");
+    refuse_children(element);
+    result.front = static_cast<uint>(world.materials.size());
+    if (material.kind == MATERIAL_DIELECTRIC) result.back = result.front;
+    world.materials.push_back(material);
+  }
+  known[index] = result;
+  return result;
+}
+
+SurfaceMaterials add_diffuse(World& world, double reflectance) {
+  Material material{};
+  material.kind = MATERIAL_DIFFUSE;
+  material.reflectance = packed(glm::dvec3(reflectance));
+  world.materials.push_back(material);
+  return {static_cast<uint>(world.materials.size() - 1), NONE};
+}
+
+}  // namespace oclair

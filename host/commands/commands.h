@@ -1,0 +1,56 @@
+// The commands of the program: what each is told, and what it does. A file a command, named like it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "../error.h"
+#include "../reader.h"
+
+namespace CLI {
+class App;
+}
+
+namespace oclair {
+
+struct FilmSize {
+  unsigned width, height;
+};
+
+// What is absent is as the scene says.
+struct RenderOptions {
+  std::filesystem::path scene;
+  Definitions definitions;
+  std::string device;                             // name or index as `oclair devices` lists them; empty: the first
+  std::optional<std::filesystem::path> exr, png;  // at least one
+  std::optional<std::uint64_t> samples_per_pixel;
+  std::optional<FilmSize> size;
+  std::optional<std::uint64_t> seed;
+  std::optional<unsigned> max_depth;
+};
+
+struct InfoOptions {
+  std::filesystem::path scene;
+  Definitions definitions;
+  std::string device;
+};
+
+Exit render(const RenderOptions& options);
+Exit info(const InfoOptions& options);
+Exit devices();
+
+// A command as the command line knows it.
+struct Command {
+  CLI::App* line;             // its part of the command line
+  std::function<Exit()> run;  // with the options that were parsed
+};
+
+Command render_command(CLI::App& program);
+Command info_command(CLI::App& program);
+Command devices_command(CLI::App& program);
+
+}  // namespace oclair

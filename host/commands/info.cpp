@@ -1,0 +1,76 @@
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "../render.h"
+#include "loading.h"
+#include "options.h"
+
+namespace oclair {
+
+namespace {
+
+std::ostream& row(const std::string& name) { return std::cout << std::left << std::setw(20) << name; }
+
+void print_film(const World& world) {
+  const char* const filters[] = {"box", "tent", "gaussian"};
+  const WorldFilm& film = world.film;
+  row("film") << film.crop_width << "x" << film.crop_height;
+  if (film.crop_width != film.width || film.crop_height != film.height)
+    std::cout << " at " << film.crop_x << "," << film.crop_y << " of " << film.width << "x" << film.height;
+  std::cout << ", " << filters[static_cast<int>(film.filter)] << " filter, " << world.samples_per_pixel
+            << " samples per pixel\n";
+}
+
+void print_features(std::uint32_t features) {
+#define FEATURE_ROW(name, bit, description) \
+  if (features & FEATURE_##name) row("feature") << #name << ": " << description << "\n";
+  FEATURE_LIST(FEATURE_ROW)
+#undef FEATURE_ROW
+}
+
+void print_memory(const Scene& scene, const Bvh& bvh) {
+  std::vector<BufferPlan> buffers = plan_buffers(scene, bvh);
+  buffers.push_back({"film", nullptr, film_bytes(scene.settings)});
+  buffers.push_back({"moments", nullptr, moment_bytes(scene)});
+  std::size_t sum = 0;
+  for (const BufferPlan& buffer : buffers) {
+    if (buffer.bytes > 0) row("buffer") << buffer.name << ": " << format_bytes(buffer.bytes) << "\n";
+    sum += buffer.bytes;
+  }
+  row("memory") << format_bytes(sum) << " on the device\n";
+}
+
+}  // namespace
+
+Exit info(const InfoOptions& options) {
+  const Device device = open_device(options.device);
+  const World world = load_world(options.scene, options.definitions, std::cerr);
+  const Scene scene = place_scene(world);
+  const Bvh bvh = build_bvh(scene, device.bvh_width);
+  row("scene") << options.scene.string() << "\n";
+  print_film(world);
+  row("triangles") << scene.triangles.size() << "\n";
+  if (scene.degenerate_primitives > 0) row("left out") << scene.degenerate_primitives << " primitives without area\n";
+  row("quadrics") << scene.quadrics.size() << "\n";
+  row("lights") << scene.lights.size() << "\n";
+  row("BVH") << bvh.node_count << " nodes of width " << bvh.width << ", " << bvh.block_count << " leaf blocks, depth "
+             << bvh.depth << "\n";
+  print_features(scene.features);
+  const KernelOptions kernel = kernel_options(scene, bvh);
+  row("kernel") << "render in path.cl: features 0x" << std::hex << kernel.features << std::dec << ", width "
+                << kernel.bvh_width << ", stack of " << kernel.stack_size << "\n";
+  row("device") << device.name << "\n";
+  print_memory(scene, bvh);
+  return Exit::success;
+}
+
+Command info_command(CLI::App& program) {
+  const auto options = std::make_shared<InfoOptions>();
+  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires");
+  add_scene(line, options->scene, options->definitions);
+  add_device(line, options->device);
+  return {&line, [options] { return info(*options); }};
+}
+
+}  // namespace oclair

@@ -1,0 +1,64 @@
+#include "options.h"
+
+#include <charconv>
+
+namespace oclair {
+namespace {
+
+std::optional<std::uint64_t> parse_whole_number(std::string_view text) {
+  std::uint64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return number;
+}
+
+[[noreturn]] void refuse(const std::string& option, const std::string& given, const std::string& expected) {
+  throw Error(Exit::usage, option + " '" + given + "': expected " + expected);
+}
+
+void add_definition(Definitions& definitions, const std::string& given) {
+  const std::size_t equals = given.find('=');
+  if (equals == std::string::npos || equals == 0) refuse("-D", given, "NAME=VALUE");
+  definitions[given.substr(0, equals)] = given.substr(equals + 1);
+}
+
+}  // namespace
+
+void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& definitions) {
+  line.add_option("SCENE", scene, "scene file in the Mitsuba XML format")->required();
+  line.add_option_function<std::vector<std::string>>(
+          "-D,--define",
+          [&definitions](const std::vector<std::string>& all) {
+            for (const std::string& given : all) add_definition(definitions, given);
+          },
+          "value of $NAME in the scene; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->type_size(1)
+      ->allow_extra_args(false);
+}
+
+void add_device(CLI::App& line, std::string& device) {
+  line.add_option("--device", device, "OpenCL device, by index or part of its name: see `oclair devices`")
+      ->type_name("DEVICE");
+}
+
+std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most) {
+  const std::optional<std::uint64_t> number = parse_whole_number(given);
+  if (!number || *number < least || *number > most) {
+    refuse(option, given, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  return *number;
+}
+
+FilmSize film_size(const std::string& option, const std::string& given) {
+  constexpr std::uint64_t most = 65536;
+  const std::size_t cross = std::min(given.find('x'), given.size());
+  const auto width = parse_whole_number(std::string_view(given).substr(0, cross));
+  const auto height = parse_whole_number(std::string_view(given).substr(std::min(cross + 1, given.size())));
+  const auto fits = [](const std::optional<std::uint64_t>& side) { return side && *side >= 1 && *side <= most; };
+  if (!fits(width) || !fits(height)) refuse(option, given, "WIDTHxHEIGHT, both from 1 to " + std::to_string(most));
+  return {static_cast<unsigned>(*width), static_cast<unsigned>(*height)};
+}
+
+}  // namespace oclair

@@ -1,0 +1,17 @@
+// Options that several commands have, and values that are checked alike. Each wrong value is an Error(Exit::usage) that says
+// what was given and what was expected.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+
+namespace oclair {
+
+void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& definitions);
+void add_device(CLI::App& line, std::string& device);
+
+std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most);
+FilmSize film_size(const std::string& option, const std::string& given);  // WIDTHxHEIGHT
+
+}  // namespace oclair

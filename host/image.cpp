@@ -1,0 +1,184 @@
+#include "image.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfIntAttribute.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <png.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <system_error>
+
+#include "error.h"
+
+namespace oclair {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& expected) {
+  throw Error(Exit::render_failed, path.string() + ": " + what + ", expected " + expected);
+}
+
+std::string system_message(int error) { return std::generic_category().message(error); }
+
+// The file that is written until commit() gives it its name; without a commit it is removed.
+class FileAside {
+ public:
+  explicit FileAside(const fs::path& path) : path_(path), target_(path) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      fail(path, fs::is_directory(status) ? "is a directory" : "is not a regular file", "the name of a file");
+    }
+    if (fs::is_symlink(path, ignored)) target_ = fs::weakly_canonical(path, ignored);  // a link stays a link
+    aside_ = target_;
+    aside_ += "." + std::to_string(getpid()) + ".part";
+    file_ = std::fopen(aside_.c_str(), "wb");
+    if (!file_) fail(path, "cannot be created: " + system_message(errno), "a directory that exists and can be written");
+  }
+  FileAside(const FileAside&) = delete;
+  FileAside& operator=(const FileAside&) = delete;
+  ~FileAside() {
+    if (file_) std::fclose(file_);
+    if (!committed_) std::remove(aside_.c_str());
+  }
+
+  std::FILE* file() const { return file_; }
+
+  void commit() {
+    if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail_to_write(errno);
+    if (std::fclose(std::exchange(file_, nullptr)) != 0) fail_to_write(errno);
+    if (std::rename(aside_.c_str(), target_.c_str()) != 0) fail_to_write(errno);
+    committed_ = true;
+  }
+
+  [[noreturn]] void fail_to_write(int error) const {
+    fail(path_, "cannot be written: " + system_message(error), "room for the whole image on a disk that can be written");
+  }
+
+ private:
+  fs::path path_, target_, aside_;
+  std::FILE* file_ = nullptr;
+  bool committed_ = false;
+};
+
+// OpenEXR's output to a C stream. It remembers a failure, because Imf::OutputFile writes its last part in its destructor
+// and swallows what is thrown there.
+class ExrStream : public Imf::OStream {
+ public:
+  ExrStream(std::FILE* file, const std::string& name) : Imf::OStream(name.c_str()), file_(file) {}
+
+  void write(const char bytes[], int count) override {
+    check(std::fwrite(bytes, 1, static_cast<std::size_t>(count), file_) == static_cast<std::size_t>(count));
+  }
+  std::uint64_t tellp() override { return static_cast<std::uint64_t>(ftello(file_)); }
+  void seekp(std::uint64_t position) override { check(fseeko(file_, static_cast<off_t>(position), SEEK_SET) == 0); }
+
+  int error() const { return error_; }
+
+ private:
+  void check(bool succeeded) {
+    if (succeeded) return;
+    if (error_ == 0) error_ = errno;
+    throw std::system_error(error_, std::generic_category());
+  }
+
+  std::FILE* file_;
+  int error_ = 0;
+};
+
+Imf::Header exr_header(const ImageWindow& window, const ImageChannels& channels, const ImageAttributes& attributes) {
+  const auto at = [](unsigned x, unsigned y) { return Imath::V2i(static_cast<int>(x), static_cast<int>(y)); };
+  const Imath::Box2i display(at(0, 0), at(window.film_width - 1, window.film_height - 1));
+  const Imath::Box2i data(at(window.crop_x, window.crop_y),
+                          at(window.crop_x + window.crop_width - 1, window.crop_y + window.crop_height - 1));
+  Imf::Header header(display, data, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709, which is sRGB
+  for (const auto& [name, values] : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, value] : attributes) {
+    if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
+    if (const auto* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
+    if (const auto* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
+  }
+  return header;
+}
+
+[[maybe_unused]] bool covers(const PixelValues& channel, std::size_t pixels) {
+  return pixels > 0 && channel.stride > 0 && (channel.values.size() - 1) / channel.stride >= pixels - 1;
+}
+
+std::uint8_t srgb_byte(float linear) {
+  return static_cast<std::uint8_t>(std::floor(255.0 * srgb_encoded(tone_mapped(linear)) + 0.5));
+}
+
+}  // namespace
+
+void write_exr(const fs::path& path, const ImageWindow& window, const ImageChannels& channels,
+               const ImageAttributes& attributes) {
+  const Imf::Header header = exr_header(window, channels, attributes);
+  Imf::FrameBuffer pixels;
+  for (const auto& [name, channel] : channels) {
+    assert(covers(channel, std::size_t{window.crop_width} * window.crop_height));
+    const std::size_t step = channel.stride * sizeof(float);
+    pixels.insert(name,
+                  Imf::Slice::Make(Imf::FLOAT, channel.values.data(), header.dataWindow(), step, step * window.crop_width));
+  }
+  FileAside aside(path);
+  ExrStream stream(aside.file(), path.string());
+  try {
+    Imf::OutputFile file(stream, header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(static_cast<int>(window.crop_height));
+  } catch (const std::exception& error) {
+    if (stream.error() == 0) fail(path, std::string("cannot be written: ") + error.what(), "an image that OpenEXR accepts");
+  }
+  if (stream.error() != 0) aside.fail_to_write(stream.error());
+  aside.commit();
+}
+
+void write_png(const fs::path& path, unsigned width, unsigned height, const std::array<PixelValues, 3>& rgb) {
+  const std::size_t pixels = std::size_t{width} * height;
+  std::vector<std::uint8_t> bytes(3 * pixels);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    assert(covers(rgb[channel], pixels));
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      bytes[3 * pixel + channel] = srgb_byte(rgb[channel].values[pixel * rgb[channel].stride]);
+    }
+  }
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = PNG_FORMAT_RGB;
+  FileAside aside(path);
+  if (!png_image_write_to_stdio(&image, aside.file(), 0, bytes.data(), 0, nullptr)) {
+    fail(path, std::string("cannot be written: ") + image.message, "room for the whole image and a size that PNG allows");
+  }
+  aside.commit();
+}
+
+void require_writable(const fs::path& path) { FileAside{path}; }
+
+double tone_mapped(double linear) {
+  constexpr double knee = 0.8;
+  if (!(linear > 0)) return 0;  // NaN too
+  if (linear <= knee) return linear;
+  return knee + (1 - knee) * -std::expm1(-(linear - knee) / (1 - knee));
+}
+
+double srgb_encoded(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+}  // namespace oclair

@@ -1,0 +1,51 @@
+// Image files: the render as OpenEXR, a picture of it as PNG. A file is written aside, in the directory of its target, then
+// renamed: whatever fails, no partial file stays behind and an older file of that name stays as it was. Failures are
+// Error(Exit::render_failed).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace oclair {
+
+// One value for each pixel, rows from top to bottom: values[pixel * stride]. A plane has stride 1; a component of
+// interleaved pixels is the span from its first value on, with the number of components as stride.
+struct PixelValues {
+  std::span<const float> values;
+  std::size_t stride = 1;
+};
+
+// The pixels of a file as a part of the full film; what lies outside is not stored.
+struct ImageWindow {
+  unsigned film_width, film_height;
+  unsigned crop_x, crop_y;
+  unsigned crop_width, crop_height;
+};
+
+using ImageChannels = std::vector<std::pair<std::string, PixelValues>>;
+using ImageAttributes = std::vector<std::pair<std::string, std::variant<std::string, int, float>>>;
+
+// 32-bit floats, scan lines, ZIP (lossless: infinities and NaNs too), with sRGB's primaries as chromaticities.
+void write_exr(const std::filesystem::path& path, const ImageWindow& window, const ImageChannels& channels,
+               const ImageAttributes& attributes = {});
+
+// 8-bit sRGB of red, green and blue in linear sRGB: srgb_encoded(tone_mapped(x)), rounded to nearest; NaN becomes black.
+void write_png(const std::filesystem::path& path, unsigned width, unsigned height, const std::array<PixelValues, 3>& rgb);
+
+// Throws if the file could not be written now; for a failure before a long render instead of after it.
+void require_writable(const std::filesystem::path& path);
+
+// [-inf, inf] to [0, 1]: x up to the knee at 0.8, then 0.8 + 0.2 (1 - exp(-(x - 0.8) / 0.2)), whose slope at the knee is 1.
+double tone_mapped(double linear);
+
+// The transfer curve of IEC 61966-2-1, for values in [0, 1].
+double srgb_encoded(double linear);
+
+}  // namespace oclair

@@ -1,0 +1,47 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <new>
+
+#include "commands/commands.h"
+
+namespace oclair {
+namespace {
+
+Exit run(int argc, char** argv) {
+  CLI::App program("A physically based path tracer whose kernels are OpenCL C.", "oclair");
+  program.set_version_flag("--version", "oclair " OCLAIR_VERSION);
+  const Command commands[] = {render_command(program), info_command(program), devices_command(program)};
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    program.exit(help_or_version);
+    return Exit::success;
+  } catch (const CLI::ParseError& error) {
+    throw Error(Exit::usage, std::string(error.what()) + " (see oclair --help)");
+  }
+  for (const Command& command : commands) {
+    if (command.line->parsed()) return command.run();
+  }
+  throw Error(Exit::usage, "a command is required: render, info or devices (see oclair --help)");
+}
+
+int report(Exit exit, const std::string& message) {
+  std::cerr << "oclair: " << message << "\n";
+  return static_cast<int>(exit);
+}
+
+}  // namespace
+}  // namespace oclair
+
+int main(int argc, char** argv) {
+  using namespace oclair;
+  try {
+    return static_cast<int>(run(argc, argv));
+  } catch (const Error& error) {
+    return report(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    return report(Exit::render_failed, "out of memory; a smaller film or scene, or a larger machine, is needed");
+  } catch (const std::exception& error) {
+    return report(Exit::render_failed, error.what());
+  }
+}

@@ -1,0 +1,31 @@
+// Meshes from files: Wavefront OBJ and PLY.
+//
+// Read by hand, not by Assimp: docs/decisions/mesh-files.md says why.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "mesh.h"
+
+namespace oclair {
+
+// What is wrong with a mesh file; the caller adds which file, and the line of the scene that names it.
+struct MeshFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Positions, vertex normals and faces; corners that share position, normal and texture indices become one vertex. Everything
+// else in the file (materials, groups, lines, points) is skipped. Indices may be negative: counted from the last.
+// Throws MeshFileError with "line n: ...".
+ObjectMesh parse_obj(std::string_view text);
+
+// ASCII and binary of both byte orders; x y z, nx ny nz of the vertices and the index lists of the faces; other elements
+// and properties are skipped. Throws MeshFileError.
+ObjectMesh parse_ply(std::string_view bytes);
+
+// The whole file. Throws MeshFileError.
+std::string read_mesh_file(const std::filesystem::path& file);
+
+}  // namespace oclair

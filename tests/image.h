@@ -37,7 +37,7 @@ inline Estimate estimate(const Film& film, int channel = 0) {
     const double mean = pixel_mean(film, i)[channel];
     const double n = static_cast<double>(film.samples - film.pixels[i].rejected);
     sum += mean;
-    variance += std::max(0.0, pixel_mean_square(film, i)[channel] - mean * mean) / (n - 1.0);
+    variance += std::max(0.0, pixel_mean_products(film, i)[channel][channel] - mean * mean) / (n - 1.0);
   }
   const double pixels = static_cast<double>(film.pixels.size());
   return {sum / pixels, std::sqrt(variance) / pixels};
@@ -66,7 +66,7 @@ inline void expect_every_sample(const Film& film, double exact, double relative,
     const double mean = pixel_mean(film, i)[channel];
     low = std::min(low, mean);
     high = std::max(high, mean);
-    spread = std::max(spread, pixel_mean_square(film, i)[channel] - mean * mean);
+    spread = std::max(spread, pixel_mean_products(film, i)[channel][channel] - mean * mean);
   }
   EXPECT_GE(low, exact * (1.0 - relative));
   EXPECT_LE(high, exact * (1.0 + relative));

@@ -119,7 +119,7 @@ INLINE LightSample light_sample_triangle(const Light *light, float3 from, float2
   float2 b = warp_triangle(u);
   float3 v0 = unpack3(light->position), e1 = unpack3(light->edge1), e2 = unpack3(light->edge2);
   float3 point = v0 + b.x * e1 + b.y * e2;
-  float3 error = SURFACE_ERROR * (fabs(v0) + fabs(b.x * e1) + fabs(b.y * e2));
+  float3 error = triangle_error(fabs(v0) + fabs(b.x * e1) + fabs(b.y * e2));
   return light_from_area(light, light->area, from, point, error, triangle_normal(e1, e2));
 }
 

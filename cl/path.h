@@ -38,7 +38,8 @@ INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) 
 INLINE void path_escape(const Scene *scene, PathState *path) {
   __global const Settings *settings = scene->settings;
   path->alive = 0;
-  if (!HAS(CONSTANT_LIGHT) || (settings->hide_emitters && path->depth == 0u)) return;
+  bool lit = HAS(CONSTANT_LIGHT) && settings->environment_probability > 0.0f;  // the kernel may know more than the scene has
+  if (!lit || (settings->hide_emitters && path->depth == 0u)) return;
   path->hit_anything |= path->depth == 0u;
   path_add_emission(path, unpack3(settings->environment), settings->environment_probability * warp_sphere_pdf());
 }

@@ -19,6 +19,11 @@ typedef struct Surface {
 // 2016, 3.9.4: gamma(7)); a gamma is n u / (1 - n u), u = 2^-24.
 #define SURFACE_ERROR (8.00001f * 0x1p-24f)
 
+// Error bound of a point on a triangle, given |p0| + |p1| + |p2| of its terms. The largest coordinate counts for all three: the
+// triangle test's shear mixes the axes, so that a neighbour across an edge is met that far off even in a plane whose own
+// coordinate is exactly 0, where the point itself has no error.
+INLINE float3 triangle_error(float3 magnitude) { return (float3)(SURFACE_ERROR * max_component(magnitude)); }
+
 // Vertex `i` of the triangle in `slot` (Hit::slot).
 INLINE float3 triangle_vertex(const Scene *scene, uint slot, uint i) {
   __global const TriangleBlock *block = scene->blocks + slot / BVH_WIDTH;
@@ -38,7 +43,7 @@ INLINE Surface surface_on_triangle(const Scene *scene, Hit hit) {
   float b0 = 1.0f - hit.b1 - hit.b2;
   float3 p0 = b0 * v0, p1 = hit.b1 * v1, p2 = hit.b2 * v2;
   s.position = p0 + p1 + p2;
-  s.error = SURFACE_ERROR * (fabs(p0) + fabs(p1) + fabs(p2));
+  s.error = triangle_error(fabs(p0) + fabs(p1) + fabs(p2));
   s.geometric = triangle_normal(v1 - v0, v2 - v0);
   s.frame.z = s.geometric;
   s.shape = scene->triangle_shape[hit.primitive];

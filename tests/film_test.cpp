@@ -38,7 +38,8 @@ Wide rounded(long double x) {
 }
 
 struct Sums {
-  std::array<Wide, 3> sum{}, square{};
+  std::array<Wide, 3> sum{};
+  std::array<std::array<Wide, 3>, 3> product{};
   cl_ulong rejected = 0, hits = 0;
 };
 
@@ -55,10 +56,11 @@ Sums expected_sums(const packed_float3* samples, std::size_t n, int exponent) {
       continue;
     }
     s.hits += k % 2 == 0;
-    for (int c = 0; c < 3; ++c) {
-      const long double v = x[c];
-      s.sum[c] = plus(s.sum[c], rounded(std::ldexp(v, FILM_FRACTION_BITS - exponent)));
-      s.square[c] = plus(s.square[c], rounded(std::ldexp(v * v, 2 * (FILM_MOMENT_FRACTION_BITS - exponent))));
+    for (int a = 0; a < 3; ++a) {
+      const long double v = x[a];
+      s.sum[a] = plus(s.sum[a], rounded(std::ldexp(v, FILM_FRACTION_BITS - exponent)));
+      for (int b = 0; b < 3; ++b)
+        s.product[a][b] = plus(s.product[a][b], rounded(std::ldexp(v * x[b], 2 * (FILM_MOMENT_FRACTION_BITS - exponent))));
     }
   }
   return s;
@@ -69,7 +71,8 @@ void expect_sums(const FilmPixel& pixel, const FilmMoments& moments, const Sums&
     EXPECT_EQ(s.sum[c][2], 0u);
     EXPECT_EQ(pixel.sum[c][0], s.sum[c][0]);
     EXPECT_EQ(pixel.sum[c][1], s.sum[c][1]);
-    for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(moments.square[c][limb], s.square[c][limb]);
+    for (int other = 0; other < 3; ++other)
+      for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(moments.product[MOMENT_INDEX(c, other)][limb], s.product[c][other][limb]);
   }
   EXPECT_EQ(pixel.rejected, s.rejected);
   EXPECT_EQ(pixel.hits, s.hits);
@@ -109,7 +112,7 @@ float typical_float(Random& random, int exponent) {
 
 }  // namespace
 
-TEST(film_test, sums_and_squares_of_floats_of_every_exponent_are_the_exact_integers) {
+TEST(film_test, sums_and_products_of_floats_of_every_exponent_are_the_exact_integers) {
   Random random(1);
   for (const int exponent : {0, 3, -40, 60, -120, 88}) {
     const std::size_t pixels = count_or_small(400, 4), each = count_or_small(100, 5);
@@ -235,17 +238,21 @@ TEST(film_test, the_mean_of_2_to_the_28_equal_samples_is_the_sample) {
   const auto square = static_cast<Uint128>(std::ldexp(static_cast<double>(0.1f) * static_cast<double>(0.1f), 2 * FILM_MOMENT_FRACTION_BITS));
   Pixels film(1);
   for (int c = 0; c < 3; ++c) {
-    const Uint128 preset = static_cast<Uint128>(unit) * (total - added), squares = square * (total - added);
+    const Uint128 preset = static_cast<Uint128>(unit) * (total - added);
     film.pixels[0].sum[c][0] = static_cast<cl_ulong>(preset);
     film.pixels[0].sum[c][1] = static_cast<cl_ulong>(preset >> 64);
-    film.moments[0].square[c][0] = static_cast<cl_ulong>(squares);
-    film.moments[0].square[c][1] = static_cast<cl_ulong>(squares >> 64);
+  }
+  for (auto& product : film.moments[0].product) {
+    const Uint128 squares = square * (total - added);
+    product[0] = static_cast<cl_ulong>(squares);
+    product[1] = static_cast<cl_ulong>(squares >> 64);
   }
   add(film, {0}, {{0.1f, 0.1f, 0.1f}}, 0, added);
   Film read{1, 1, 0, total, film.pixels, film.moments};
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(pixel_mean(read, 0)[c], static_cast<double>(0.1f));
-    EXPECT_EQ(pixel_mean_square(read, 0)[c], static_cast<double>(0.1f) * static_cast<double>(0.1f));
+    for (int other = 0; other < 3; ++other)
+      EXPECT_EQ(pixel_mean_products(read, 0)[c][other], static_cast<double>(0.1f) * static_cast<double>(0.1f));
   }
 }
 
@@ -267,18 +274,20 @@ TEST(film_test, scaling_samples_and_exponent_by_a_power_of_two_changes_no_bit) {
     const Film here{1, 1, k, n, film.pixels, film.moments}, there{1, 1, 0, n, plain.pixels, plain.moments};
     for (int c = 0; c < 3; ++c) {
       EXPECT_EQ(pixel_mean(here, 0)[c], std::ldexp(pixel_mean(there, 0)[c], k));
-      EXPECT_EQ(pixel_mean_square(here, 0)[c], std::ldexp(pixel_mean_square(there, 0)[c], 2 * k));
+      for (int other = 0; other < 3; ++other)
+        EXPECT_EQ(pixel_mean_products(here, 0)[c][other], std::ldexp(pixel_mean_products(there, 0)[c][other], 2 * k));
     }
   }
 }
 
-// Mean and mean square of the accepted samples. Three roundings to the 64 bits of long double and one to double: less than
+// Mean and mean products of the accepted samples. Three roundings to the 64 bits of long double and one to double: less than
 // (1/2 + 2^-9) ulp of double, which is 2^-52 (1/2 + 2^-9) relative.
 TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
   Random random(6);
   const std::size_t n = count_or_small(2000, 20), bad = 7;
   std::vector<packed_float3> samples;
-  std::array<__float128, 3> sum{}, square{};
+  std::array<__float128, 3> sum{};
+  __float128 product[3][3] = {};
   std::uint64_t hits = 0;
   for (std::size_t i = 0; i < n; ++i) {
     packed_float3 s{random.unit24(), 100.0f * random.unit24(), 1e-3f + std::ldexp(random.unit24(), -8)};
@@ -289,7 +298,7 @@ TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
     const float x[3] = {s.x, s.y, s.z};
     for (int c = 0; c < 3; ++c) {
       sum[c] += x[c];
-      square[c] += static_cast<__float128>(x[c]) * x[c];
+      for (int other = 0; other < 3; ++other) product[c][other] += static_cast<__float128>(x[c]) * x[other];
     }
   }
   Pixels film(2);
@@ -297,17 +306,20 @@ TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
   const Film read{2, 1, 0, n, film.pixels, film.moments};
   EXPECT_EQ(pixel_mean(read, 0), (std::array<double, 3>{}));  // n samples of nothing
   for (int c = 0; c < 3; ++c) {
-    const double mean = static_cast<double>(sum[c] / (n - bad)), mean_square = static_cast<double>(square[c] / (n - bad));
+    const double mean = static_cast<double>(sum[c] / (n - bad));
     const double rounding = 0x1p-52 * (1.0 + 0x1p-8);  // the oracle's own half ulp included
     EXPECT_NEAR(pixel_mean(read, 1)[c], mean, rounding * mean);
-    // Each square is rounded to 2^-76.
-    EXPECT_NEAR(pixel_mean_square(read, 1)[c], mean_square, rounding * mean_square + 0x1p-76);
+    for (int other = 0; other < 3; ++other) {
+      const double mean_product = static_cast<double>(product[c][other] / (n - bad));
+      // Each product is rounded to 2^-76.
+      EXPECT_NEAR(pixel_mean_products(read, 1)[c][other], mean_product, rounding * mean_product + 0x1p-76);
+    }
   }
   EXPECT_EQ(pixel_alpha(read, 1), static_cast<double>(hits) / static_cast<double>(n - bad));
   EXPECT_EQ(rejected_samples(read), bad);
   Film none{1, 1, 0, 3, {FilmPixel{}}, {FilmMoments{}}};
   none.pixels[0].rejected = 3;
   EXPECT_EQ(pixel_mean(none, 0), (std::array<double, 3>{}));
-  EXPECT_EQ(pixel_mean_square(none, 0), (std::array<double, 3>{}));
+  EXPECT_EQ(pixel_mean_products(none, 0), glm::dmat3(0.0));
   EXPECT_EQ(pixel_alpha(none, 0), 0.0);
 }

@@ -21,7 +21,7 @@
   MEMBER(Settings, sample_border) MEMBER(Settings, filter_count) MEMBER(Settings, filter_radius)                        \
   MEMBER(Settings, film_exponent) MEMBER(Settings, environment) MEMBER(Settings, environment_probability)               \
   STRUCT(FilmPixel) MEMBER(FilmPixel, sum) MEMBER(FilmPixel, rejected) MEMBER(FilmPixel, hits)                          \
-  STRUCT(FilmMoments) MEMBER(FilmMoments, square)                                                                       \
+  STRUCT(FilmMoments) MEMBER(FilmMoments, product)                                                                       \
   STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
   MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, hit_anything)                \
   MEMBER(PathState, alive)                                                                                              \

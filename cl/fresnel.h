@@ -74,7 +74,7 @@ INLINE float fresnel_conductor(float cos_i, float eta, float k) {
   float rs = s_down > 0.0f ? fma(a - c, a - c, b * b) / s_down : 0.0f;
   float up = fma(a, c, -sin2), down = fma(a, c, sin2), bc = b * c;
   float p_down = fma(down, down, bc * bc);
-  float rp = p_down > 0.0f ? rs * (fma(up, up, bc * bc) / p_down) : 0.0f;
+  float rp = p_down > 0.0f ? rs * (fma(up, up, bc * bc) / p_down) : rs;  // at normal incidence both are the same
   return 0.5f * (rs + rp);
 }
 

@@ -55,6 +55,13 @@ TEST(fresnel_conductor_test, conductor_without_absorption_is_a_dielectric) {
         << rows[i].cosine << " " << rows[i].eta;
 }
 
+// The limit of small eta and k, where the amplitudes become 0/0 at normal incidence: nothing can propagate inside.
+TEST(fresnel_conductor_test, conductor_of_index_zero_reflects_everything) {
+  std::vector<Row> rows;
+  for (float cosine : cosines()) rows.push_back({cosine, 0.0f, 0.0f});
+  for (float reflectance : run_rows(rows)) ASSERT_NEAR(reflectance, 1, 4 * unit_roundoff);
+}
+
 TEST(fresnel_conductor_test, channels_are_independent) {
   Random random(11);
   const std::size_t count = count_or_small(3000, 64);

@@ -125,14 +125,14 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
 }
 
 // noinline: measured faster than inlining the loop into the path tracer, and it keeps the stack out of PoCL's work-item context.
-static __attribute__((noinline)) Hit traverse_closest(const Scene *scene, const Ray *ray) {
+OUT_OF_LINE Hit traverse_closest(const Scene *scene, const Ray *ray) {
   Hit hit = {ray->t_max, 0.0f, 0.0f, NONE, 0u};
   traverse(scene, ray, &hit, false);
   return hit;
 }
 
 // True if something lies strictly between the ray's two ends: the intersection routines take t <= t_max, t < t_max is wanted.
-static __attribute__((noinline)) bool traverse_any(const Scene *scene, const Ray *ray) {
+OUT_OF_LINE bool traverse_any(const Scene *scene, const Ray *ray) {
   Hit hit = {nextafter(ray->t_max, 0.0f), 0.0f, 0.0f, NONE, 0u};
   traverse(scene, ray, &hit, true);
   return hit.primitive != NONE;

@@ -5,6 +5,7 @@
 #include "types.h"
 
 #define INLINE static inline __attribute__((always_inline))
+#define OUT_OF_LINE static __attribute__((noinline, unused))
 
 #define PI 3.14159265358979f
 #define INV_PI 0.318309886183791f

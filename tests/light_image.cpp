@@ -1,5 +1,7 @@
 // Direct light against closed forms: the radiance of a diffuse point under each kind of light (form factors: Howell, Menguc,
 // Daun, Siegel 2020, appendix C). Light sampling and scattering find the same light, joined by multiple importance sampling.
+#include <array>
+
 #include "image.h"
 
 using namespace oclair;
@@ -166,6 +168,43 @@ TEST(light_image, points_on_a_shared_edge_are_fully_lit) {
         world.integrator.max_depth = 2;
         expect_every_sample(render_full(world, 64), radiance(std::sin(elevation)), 1e-5);
       }
+}
+
+// Light from where the camera is: what it sees of a convex body is lit, up to the silhouette, in every sample. One dark dot would be
+// the shadow of the body on itself, one bright dot in the shadow behind it a leak.
+TEST(light_image, convex_bodies_never_shade_themselves_and_never_leak) {
+  for (const int body : {0, 1, 2, 3})
+    for (const LightKind kind : {LIGHT_POINT, LIGHT_DIRECTIONAL}) {
+      SCOPED_TRACE(testing::Message() << body << " " << kind);
+      World world;
+      WorldShape& shape = add_shape(world, diffuse(albedo), Sides::front);
+      if (body == 0) shape.mesh = icosphere(5, 0.0, 1);
+      if (body == 1) add_box(shape.mesh, {-0.6, -0.7, -0.5}, {0.6, 0.3, 0.8});
+      if (body == 2) shape.geometry = Geometry::sphere;
+      if (body == 3) {
+        shape.geometry = Geometry::cylinder;
+        shape.to_world = glm::dmat4({.5, 0, 0, 0}, {0, .5, 0, 0}, {0, 0, 1, 0}, {0, 0, -.5, 1});
+      }
+      const glm::dvec3 eye(3.0, 1.8, 2.4);
+      add_light(world, kind, glm::dvec3(1.0), kind == LIGHT_POINT ? eye : -glm::normalize(eye));
+      look(world, eye, {0, 0, 0}, {0, 0, 1}, 0.3, 384, 384);
+      world.integrator.max_depth = 2;
+      const auto dark_and_bright = [&] {
+        const Film film = render_full(world, 1);
+        std::array<int, 2> count{};
+        for (const FilmPixel& pixel : film.pixels)
+          if (pixel.hits > 0) ++count[pixel.sum[0][0] != 0 || pixel.sum[0][1] != 0];
+        return count;
+      };
+      const auto lit = dark_and_bright();
+      // Through the cylinder's open end the camera sees the inside, which is black.
+      EXPECT_TRUE(lit[0] == 0 || body == 3) << lit[0];
+      EXPECT_GT(lit[1], 15000);
+      world.lights[0].position = kind == LIGHT_POINT ? -eye : glm::normalize(eye);  // from behind
+      const auto unlit = dark_and_bright();
+      EXPECT_EQ(unlit[1], 0);
+      EXPECT_GT(unlit[0], 15000);
+    }
 }
 
 // The open plane sees light from its whole half space.

@@ -31,8 +31,8 @@ inline Inputs random_inputs(std::uint64_t seed, std::size_t count) {
   Inputs inputs{upper_directions(seed, count), {}, {}};
   Random random(seed + 1);
   for (std::size_t i = 0; i < inputs.wo.size(); ++i) {
-    inputs.front.push_back(static_cast<cl_uint>(random.bits() >> 63));
-    const float x = static_cast<float>(random.bits() >> 40) * 0x1p-24f, y = static_cast<float>(random.bits() >> 40) * 0x1p-24f;
+    inputs.front.push_back(static_cast<cl_uint>(random.engine() >> 63));
+    const float x = static_cast<float>(random.engine() >> 40) * 0x1p-24f, y = static_cast<float>(random.engine() >> 40) * 0x1p-24f;
     inputs.u.push_back({{x, y}});
   }
   return inputs;

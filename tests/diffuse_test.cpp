@@ -20,7 +20,7 @@ std::vector<cl_float2> squares() {
     for (float y : {0.0f, 0x1p-24f, 0.5f, 1 - 0x1p-24f}) list.push_back({{x, y}});
   Random random(60);
   for (std::size_t i = 0; i < count_or_small(100000, 100); ++i)
-    list.push_back({{static_cast<float>(random.bits() >> 40) * 0x1p-24f, static_cast<float>(random.bits() >> 40) * 0x1p-24f}});
+    list.push_back({{static_cast<float>(random.engine() >> 40) * 0x1p-24f, static_cast<float>(random.engine() >> 40) * 0x1p-24f}});
   return list;
 }
 

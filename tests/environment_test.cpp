@@ -73,8 +73,8 @@ TEST(environment_test, division_is_correctly_rounded_where_the_device_offers_it)
   const std::size_t count = count_or_small(2000000, 500);
   std::vector<float> x(count), y(count), quotient(count);
   for (std::size_t i = 0; i < count; ++i) {
-    x[i] = static_cast<float>(random.log_uniform(1e-15, 1e15));
-    y[i] = static_cast<float>(random.log_uniform(1e-15, 1e15));
+    x[i] = static_cast<float>(random.signed_log_between(1e-15, 1e15));
+    y[i] = static_cast<float>(random.signed_log_between(1e-15, 1e15));
   }
   run(file, "divide", count, x, y, out(quotient));
   double worst = 0;
@@ -89,7 +89,7 @@ TEST(environment_test, square_root_is_correctly_rounded_where_the_device_offers_
   Random random(4);
   const std::size_t count = count_or_small(2000000, 500);
   std::vector<float> x(count), root(count);
-  for (float& value : x) value = static_cast<float>(std::abs(random.log_uniform(1e-37, 1e38)));
+  for (float& value : x) value = static_cast<float>(std::abs(random.signed_log_between(1e-37, 1e38)));
   run(file, "square_root", count, x, out(root));
   double worst = 0;
   for (std::size_t i = 0; i < count; ++i) {

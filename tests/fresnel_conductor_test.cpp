@@ -69,10 +69,10 @@ TEST(fresnel_conductor_test, channels_are_independent) {
   std::vector<cl_float4> eta(count), k(count), rgb(count);
   std::vector<Row> single;
   for (std::size_t i = 0; i < count; ++i) {
-    cosine[i] = static_cast<float>(random.uniform());
+    cosine[i] = static_cast<float>(random.unit());
     for (int channel = 0; channel < 3; ++channel) {
-      eta[i].s[channel] = static_cast<float>(random.uniform(0.05, 3));
-      k[i].s[channel] = static_cast<float>(random.uniform(0, 8));
+      eta[i].s[channel] = static_cast<float>(random.between(0.05, 3));
+      k[i].s[channel] = static_cast<float>(random.between(0, 8));
       single.push_back({cosine[i], eta[i].s[channel], k[i].s[channel]});
     }
   }

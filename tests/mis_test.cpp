@@ -47,8 +47,8 @@ TEST(mis_test, power_heuristic_is_the_ratio_of_squares) {
   Random random(10);
   std::vector<float> a(count_or_small(100000, 500)), b(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    a[i] = static_cast<float>(std::abs(random.log_uniform(1e-30, 1e30)));
-    b[i] = static_cast<float>(a[i] * std::abs(random.log_uniform(1e-3, 1e3)));
+    a[i] = static_cast<float>(std::abs(random.signed_log_between(1e-30, 1e30)));
+    b[i] = static_cast<float>(a[i] * std::abs(random.signed_log_between(1e-3, 1e3)));
   }
   const Pairs pairs = run_pairs(a, b);
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -10,7 +10,7 @@
 
 namespace oclair::test {
 
-inline constexpr double unit_roundoff = 0x1p-24;  // u, of float32
+inline constexpr double unit_roundoff = 0x1p-24;  // u, of float32: a correctly rounded operation errs by a factor within 1 +- u
 
 inline packed_float3 packed(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -27,6 +27,11 @@ struct Random {
   std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); }
   double sign() { return engine() & 1 ? 1.0 : -1.0; }
   double log_between(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
+
+  double signed_log_between(double low, double high) {
+    const double magnitude = log_between(low, high);
+    return sign() * magnitude;
+  }
 
   glm::dvec3 in_cube(double half = 1.0) {
     const double x = between(-half, half), y = between(-half, half), z = between(-half, half);

@@ -39,7 +39,7 @@ std::vector<cl_ulong> words() {
   std::vector<cl_ulong> list{0, ~cl_ulong{0}, 0x0123456789abcdefu};
   for (int bit = 0; bit < 64; ++bit) list.push_back(cl_ulong{1} << bit), list.push_back(~(cl_ulong{1} << bit));
   Random random(30);
-  for (std::size_t i = 0; i < count_or_small(100000, 100); ++i) list.push_back(random.bits());
+  for (std::size_t i = 0; i < count_or_small(100000, 100); ++i) list.push_back(random.engine());
   return list;
 }
 
@@ -113,7 +113,7 @@ TEST(rng_test, mix_lets_every_bit_decide_over_every_bit) {
   const std::size_t samples = count_or_small(4096, 64);
   Random random(31);
   std::vector<cl_ulong> base(samples);
-  for (cl_ulong& z : base) z = random.bits();
+  for (cl_ulong& z : base) z = random.engine();
   const std::vector<cl_ulong> before = mixed(base);
   for (int in = 0; in < 64; ++in) {
     std::vector<cl_ulong> flipped(base);

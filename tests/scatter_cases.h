@@ -44,11 +44,11 @@ inline std::vector<cl_float4> upper_directions(std::uint64_t seed, std::size_t c
   std::vector<cl_float4> list{{{0, 0, 1, 0}}};
   Random random(seed);
   const auto add = [&](double z) {
-    const double phi = random.uniform(0, 6.28318530717958648), r = std::sqrt((1 - z) * (1 + z));
+    const double phi = random.between(0, 6.28318530717958648), r = std::sqrt((1 - z) * (1 + z));
     list.push_back({{static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)), static_cast<float>(z), 0}});
   };
   for (int k = 1; k <= 6; ++k) add(std::pow(10.0, -k)), add(1 - std::pow(10.0, -k));
-  while (list.size() < count) add(random.uniform());
+  while (list.size() < count) add(random.unit());
   return list;
 }
 

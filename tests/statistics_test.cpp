@@ -50,9 +50,9 @@ TEST(statistics_test, uniformity_test_accepts_uniform_and_rejects_a_slope_of_fiv
   Random random(1);
   std::vector<double> flat(64), sloped(64);
   for (int i = 0; i < 1 << 18; ++i) {
-    const double x = random.uniform();
+    const double x = random.unit();
     ++flat[static_cast<std::size_t>(x * 64)];
-    ++sloped[static_cast<std::size_t>((random.uniform() < 0.05 ? std::sqrt(x) : x) * 64)];  // 5 % have density 2x
+    ++sloped[static_cast<std::size_t>((random.unit() < 0.05 ? std::sqrt(x) : x) * 64)];  // 5 % have density 2x
   }
   EXPECT_GT(uniformity_test(flat), false_alarm);
   EXPECT_LT(uniformity_test(sloped), false_alarm);

@@ -8,6 +8,12 @@ namespace {
 constexpr const char* file = "vector_test.cl";
 using Vector = std::array<double, 3>;
 
+Vector direction(Random& random) {
+  const glm::dvec3 d = random.direction();
+  return {d.x, d.y, d.z};
+}
+
+
 cl_float4 rounded(const Vector& v) {
   return {{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0.0f}};
 }
@@ -52,7 +58,7 @@ std::vector<cl_float4> unit_normals() {
       normals.push_back(rounded(normalized({1, r, sign * r})));
     }
   Random random(20);
-  for (std::size_t i = 0; i < count_or_small(100000, 100); ++i) normals.push_back(rounded(random.direction()));
+  for (std::size_t i = 0; i < count_or_small(100000, 100); ++i) normals.push_back(rounded(direction(random)));
   return normals;
 }
 
@@ -87,7 +93,7 @@ TEST(vector_test, difference_of_products_errs_by_one_and_a_half_ulp_at_most) {
   Random random(21);
   std::vector<cl_float4> abcd(count_or_small(200000, 200));
   for (cl_float4& v : abcd)
-    for (float& component : v.s) component = static_cast<float>(random.log_uniform(1e-8, 1e8));
+    for (float& component : v.s) component = static_cast<float>(random.signed_log_between(1e-8, 1e8));
   expect_differences_within_one_and_a_half_ulp(abcd);
 }
 
@@ -96,7 +102,7 @@ TEST(vector_test, difference_of_products_survives_cancellation) {
   Random random(22);
   std::vector<cl_float4> abcd(count_or_small(200000, 200));
   for (cl_float4& v : abcd) {
-    for (float& component : v.s) component = static_cast<float>(random.log_uniform(1e-4, 1e4));
+    for (float& component : v.s) component = static_cast<float>(random.signed_log_between(1e-4, 1e4));
     v.s[3] = static_cast<float>(static_cast<double>(v.s[0]) * v.s[1] / v.s[2]);
   }
   expect_differences_within_one_and_a_half_ulp(abcd);
@@ -107,11 +113,11 @@ TEST(vector_test, cross_exact_errs_by_one_and_a_half_ulp_in_each_component) {
   const std::size_t count = count_or_small(100000, 200);
   std::vector<cl_float4> a(count), b(count), result(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector u{random.log_uniform(1e-4, 1e4), random.log_uniform(1e-4, 1e4), random.log_uniform(1e-4, 1e4)};
-    const double factor = random.uniform(-2, 2), noise = i % 2 ? 1 : 1e-6;  // every other pair nearly parallel
+    const Vector u{random.signed_log_between(1e-4, 1e4), random.signed_log_between(1e-4, 1e4), random.signed_log_between(1e-4, 1e4)};
+    const double factor = random.between(-2, 2), noise = i % 2 ? 1 : 1e-6;  // every other pair nearly parallel
     a[i] = rounded(u);
-    b[i] = rounded({factor * u[0] + noise * random.uniform(-1, 1), factor * u[1] + noise * random.uniform(-1, 1),
-                    factor * u[2] + noise * random.uniform(-1, 1)});
+    b[i] = rounded({factor * u[0] + noise * random.between(-1, 1), factor * u[1] + noise * random.between(-1, 1),
+                    factor * u[2] + noise * random.between(-1, 1)});
   }
   run(file, "cross_product", count, a, b, out(result));
   for (std::size_t i = 0; i < count; ++i)
@@ -126,7 +132,7 @@ TEST(vector_test, cross_exact_of_parallel_vectors_is_zero) {
   Random random(24);
   std::vector<cl_float4> a(count_or_small(10000, 100)), b(a.size()), result(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    a[i] = rounded({random.log_uniform(1e-4, 1e4), random.log_uniform(1e-4, 1e4), random.log_uniform(1e-4, 1e4)});
+    a[i] = rounded({random.signed_log_between(1e-4, 1e4), random.signed_log_between(1e-4, 1e4), random.signed_log_between(1e-4, 1e4)});
     for (std::size_t axis = 0; axis < 3; ++axis) b[i].s[axis] = a[i].s[axis] * (i % 2 ? -4.0f : 0.5f);
   }
   run(file, "cross_product", a.size(), a, b, out(result));
@@ -140,8 +146,8 @@ TEST(vector_test, renormalize_squares_the_drift_and_keeps_the_direction) {
   Random random(25);
   std::vector<cl_float4> d(count_or_small(50000, 200)), result(d.size());
   for (std::size_t i = 0; i < d.size(); ++i) {
-    const Vector unit = random.direction();
-    const double length = 1 + (i % 3 == 0 ? 0 : random.log_uniform(1e-7, 1e-2));
+    const Vector unit = direction(random);
+    const double length = 1 + (i % 3 == 0 ? 0 : random.signed_log_between(1e-7, 1e-2));
     d[i] = rounded({unit[0] * length, unit[1] * length, unit[2] * length});
   }
   run(file, "renormalized", d.size(), d, out(result));
@@ -188,7 +194,7 @@ TEST(vector_test, local_coordinates_are_projections_and_world_coordinates_are_co
   const Frames frames = run_frames(normals);
   Random random(26);
   std::vector<cl_float4> v(normals.size()), local(v), world(v);
-  for (cl_float4& vector : v) vector = rounded(random.direction());
+  for (cl_float4& vector : v) vector = rounded(direction(random));
   run(file, "change_frame", v.size(), frames.x, frames.y, frames.z, v, out(local), out(world));
   for (std::size_t i = 0; i < v.size(); ++i) {
     const std::array<Vector, 3> axes{widened(frames.x[i]), widened(frames.y[i]), widened(frames.z[i])};
@@ -206,7 +212,7 @@ TEST(vector_test, to_world_undoes_to_local) {
   const Frames frames = run_frames(normals);
   Random random(27);
   std::vector<cl_float4> v(normals.size()), local(v), back(v), unused(v);
-  for (cl_float4& vector : v) vector = rounded(random.direction());
+  for (cl_float4& vector : v) vector = rounded(direction(random));
   run(file, "change_frame", v.size(), frames.x, frames.y, frames.z, v, out(local), out(unused));
   run(file, "change_frame", v.size(), frames.x, frames.y, frames.z, local, out(unused), out(back));
   for (std::size_t i = 0; i < v.size(); ++i)

@@ -24,7 +24,7 @@ double p_value(const char* kernel, std::uint64_t seed, const std::function<Cell(
   const std::size_t count = count_or_small(1000000, 4000), columns = 41, rows = 37;
   std::vector<cl_float2> u(count);
   for (cl_float2& point : u)
-    for (float& component : point.s) component = static_cast<float>(random.bits() >> 40) * 0x1p-24f;
+    for (float& component : point.s) component = static_cast<float>(random.engine() >> 40) * 0x1p-24f;
   std::vector<Result> result(count);
   run("warp_test.cl", kernel, count, u, arguments..., out(result));
   std::vector<double> observed(columns * rows + 1), expected(observed.size(), static_cast<double>(count) / (columns * rows));

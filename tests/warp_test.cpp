@@ -16,7 +16,7 @@ std::vector<cl_float2> squares() {
   for (float x : edges)
     for (float y : edges) list.push_back({{x, y}});
   Random random(40);
-  const auto draw = [&] { return static_cast<float>(random.bits() >> 40) * 0x1p-24f; };
+  const auto draw = [&] { return static_cast<float>(random.engine() >> 40) * 0x1p-24f; };
   for (std::size_t i = 0; i < count_or_small(500000, 200); ++i) {
     const float x = draw(), y = draw();
     list.push_back({{x, y}});
@@ -142,7 +142,7 @@ TEST(warp_test, warps_keep_area_point_by_point) {
   constexpr float h = 0x1p-10f;
   std::vector<cl_float2> u;
   for (std::size_t i = 0; i < cells; ++i) {
-    const float x = static_cast<float>(random.uniform(0.02, 0.97)), y = static_cast<float>(random.uniform(0.02, 0.97));
+    const float x = static_cast<float>(random.between(0.02, 0.97)), y = static_cast<float>(random.between(0.02, 0.97));
     u.insert(u.end(), {{{x - h, y}}, {{x + h, y}}, {{x, y - h}}, {{x, y + h}}});
   }
   const auto determinants = [&](const auto& p) {

@@ -24,8 +24,9 @@ inline constexpr std::uint32_t every_feature = 0x7fff;
 inline bool small_inputs() { return std::getenv("OCLAIR_SMALL") != nullptr; }
 inline std::size_t count_or_small(std::size_t count, std::size_t small) { return small_inputs() ? small : count; }
 
+// Device and programs are never released: oclgrind crashes when that happens after main().
 inline const Device& device() {
-  static const Device opened = open_device();
+  static const Device& opened = *new Device(open_device());
   return opened;
 }
 
@@ -43,7 +44,7 @@ Out<T> out(std::vector<T>& values) {
 
 // A program of this directory, built once per process for each set of options.
 inline cl::Program& program(const std::string& file, const KernelOptions& options) {
-  static std::map<std::string, cl::Program> built;
+  static std::map<std::string, cl::Program>& built = *new std::map<std::string, cl::Program>;
   const std::string key = file + " " + std::to_string(options.features) + " " + std::to_string(options.bvh_width) + " " +
                           std::to_string(options.stack_size);
   const auto found = built.find(key);

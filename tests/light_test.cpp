@@ -165,6 +165,32 @@ TEST(light_test, irradiance_of_disks_and_spheres_is_the_closed_form) {
   }
 }
 
+TEST(light_test, a_sphere_that_emits_inwards_brings_nothing_outside) {
+  const Scene scene = lit_scene([](World& world) { add_quadric(world, Geometry::sphere, {0.3, 0, 0}, {0, 0.3, 0}, {0, 0, 0.3}, {0, 0, 0.6}).flip_normals = true; });
+  for (const glm::dvec3& from : {glm::dvec3(0.0), glm::dvec3(0, 0, 0.149), glm::dvec3(0.3, 0.3, 0.3)}) EXPECT_EQ(irradiance(scene, from, {0, 0, 1}, 16), 0.0);
+}
+
+// The shadow ray ends on the receiver's side of the light's plane, so that what is coplanar with the light does not block it; and within
+// 2e-6 of it. At grazing angles the rounding of the point along the ray exceeds the offset: cosines above .7.
+TEST(light_test, shadow_rays_end_just_before_the_plane_of_the_light) {
+  const Scene scene = lit_scene([](World& world) {
+    add_triangle(add_shape(world, diffuse(0.0), Sides::both, 1.0).mesh, {.2, .1, .8}, {.4, .9, .5}, {.9, .3, .8});
+  });
+  const Light& light = scene.lights[0];
+  const glm::dvec3 v0 = unpacked(light.position), n = glm::normalize(glm::cross(unpacked(light.edge1), unpacked(light.edge2)));
+  std::size_t judged = 0;
+  for (const glm::dvec3& from : {glm::dvec3(0.0), glm::dvec3(0.1, 0.1, -0.4), glm::dvec3(-0.2, -0.1, 0.1)})
+    for (const LightResult& s : sample_light(scene, 0, from, random_squares(count_or_small(20000, 50), 4))) {
+      const glm::dvec3 w = unpacked(s.direction), o = unpacked(packed(from));
+      if (-glm::dot(w, n) < 0.7) continue;
+      const double plane = glm::dot(v0 - o, n) / glm::dot(w, n);
+      EXPECT_LT(s.distance, plane);
+      EXPECT_GT(s.distance, plane - 2e-6);
+      ++judged;
+    }
+  EXPECT_GT(judged, count_or_small(10000, 20));
+}
+
 // A closed cylinder with a lid and a base, all emitting inwards: E = pi.
 TEST(light_test, irradiance_inside_an_emitting_can_is_pi) {
   const Scene can = lit_scene([](World& world) {

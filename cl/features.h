@@ -27,9 +27,12 @@ enum Feature {
 #undef FEATURE_BIT
 };
 
+#define FEATURE_TERM(name, bit, description) | FEATURE_##name
+#define ALL_FEATURES (0 FEATURE_LIST(FEATURE_TERM))
+
 #ifndef __cplusplus
 #ifndef FEATURES
-#define FEATURES 0x7fff
+#define FEATURES ALL_FEATURES
 #endif
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
 #endif

@@ -101,8 +101,9 @@ INLINE LightSample light_sample_quadric(const Scene *scene, const Light *light, 
     float one_minus_cos = light_cone(radius2, distance2);
     float3 cone = warp_cone(u, one_minus_cos);
     s.direction = frame_to_world(frame_from_normal((center - from) * rsqrt(distance2)), cone);
-    // Nearest point along the direction: distance_to_centre cos - sqrt(r^2 - distance_to_centre^2 sin^2).
-    float sin2 = fmax(0.0f, (1.0f - cone.z) * (1.0f + cone.z));
+    // Nearest point along the direction: distance_to_centre cos - sqrt(r^2 - distance_to_centre^2 sin^2). The sine from x and y: of a
+    // small cone 1 - z keeps no digit.
+    float sin2 = dot(cone.xy, cone.xy);
     s.distance = cone.z * sqrt(distance2) - sqrt(fmax(0.0f, radius2 - distance2 * sin2));
     s.primitive = light->primitive;
     s.pdf = light->probability * warp_cone_pdf(one_minus_cos);

@@ -35,7 +35,8 @@ INLINE bool quadric_roots(float3 o, float3 d, float *near, float *far) {
 }
 
 // Smallest t in (0, t_max] at which the ray meets the quadric, or INFINITE_DISTANCE. A ray that starts on it (starts) has a root at
-// 0 up to rounding, which is left out whatever its sign; a ray that ends on it at t_max (ends) likewise has one there.
+// 0 up to rounding, which is left out whatever its sign; a ray that ends on it at t_max (ends) likewise has one there. Nothing of a
+// disk, or of a sphere whose front is outside, can be in the way of a ray that ends on its front; a near wall can.
 INLINE float quadric_intersect(const Quadric *quadric, float3 origin, float3 direction, float t_max, bool starts, bool ends) {
   float3 o = quadric_to_local(quadric, origin - unpack3(quadric->center));
   float3 d = quadric_to_local(quadric, direction);
@@ -46,6 +47,7 @@ INLINE float quadric_intersect(const Quadric *quadric, float3 origin, float3 dir
     return hit ? t : INFINITE_DISTANCE;
   }
   bool cylinder = HAS(CYLINDERS) && quadric->kind == QUADRIC_CYLINDER;
+  if (ends && !cylinder && quadric->flip > 0.0f) return INFINITE_DISTANCE;
   float3 across = cylinder ? (float3)(1.0f, 1.0f, 0.0f) : (float3)(1.0f);
   float root[2];
   if (!quadric_roots(o * across, d * across, &root[0], &root[1])) return INFINITE_DISTANCE;

@@ -173,7 +173,10 @@ struct Layout {
 
   uint add_leaf(const BuildNode* node) {
     const auto* leaf = static_cast<const BuildLeaf*>(node);
-    if (leaf->quadric) return LEAF_BIT | leaf->primitive[0];
+    if (leaf->quadric) {
+      if (leaf->primitive[0] > LEAF_INDEX_MASK) throw Error(Exit::render_failed, "too many quadrics: expected at most 2^27");
+      return LEAF_BIT | leaf->primitive[0];
+    }
     const uint count = (leaf->count + W - 1) / W;
     const std::size_t first = blocks.size();
     if (first + count > LEAF_INDEX_MASK) throw Error(Exit::render_failed, "too many triangles: expected fewer than 2^27 leaf blocks");

@@ -160,14 +160,17 @@ TEST(camera_test, samples_stay_in_the_window_unless_the_border_is_sampled) {
   for (const bool border : {false, true}) {
     world.film.sample_border = border;
     const Scene scene = place_scene(world);
-    std::vector<Ray> all(count_or_small(5000, 50));
+    std::vector<Ray> all(count_or_small(5000, 200));
     run("camera_test.cl", "samples", all.size(), std::vector<Camera>{scene.camera}, std::vector<Settings>{scene.settings}, scene.filter, cl_uint{2}, cl_uint{4}, out(all));
-    double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9;
+    double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9, xx = 0, yy = 0, xy = 0;
     for (const Ray& ray : all) {  // the view is along +x, left is +y, up is +z, tan 1: back to the film
       const double x = 4.0 * (1.0 - ray.direction.y / ray.direction.x), y = 4.0 * (1.0 - ray.direction.z / ray.direction.x);
       low_x = std::min(low_x, x), high_x = std::max(high_x, x);
       low_y = std::min(low_y, y), high_y = std::max(high_y, y);
+      const double dx = x - 2.5, dy = y - (border ? 4.5 : 4.75);  // means, to less than the error: cut on one side the tent's is .25 off
+      xx += dx * dx, yy += dy * dy, xy += dx * dy;
     }
+    EXPECT_LE(std::abs(xy) / std::sqrt(xx * yy), sidak_z / std::sqrt(static_cast<double>(all.size())));  // x and y are independent
     const double slack = 1e-5, reach = small_inputs() ? 0.5 : 0.1;
     const double x0 = border ? 0.5 : 2.0, x1 = border ? 4.5 : 3.0, y0 = border ? 2.5 : 3.0, y1 = border ? 6.5 : 6.5;
     EXPECT_GE(low_x, x0 - slack);

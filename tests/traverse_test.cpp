@@ -188,3 +188,32 @@ TEST(traverse_test, an_empty_scene_is_never_hit) {
     EXPECT_EQ(missed(trace_closest(scene, bvh, rays)), rays.size());
   }
 }
+
+// From points of a sphere, to rounding: outwards nothing is hit, inwards the far wall. The rays carry the sphere as the primitive they start on.
+TEST(traverse_test, a_ray_that_starts_on_a_sphere_leaves_it_outwards_and_crosses_it_inwards) {
+  Random random(6);
+  World world;
+  WorldShape& ball = add_shape(world, diffuse(0.5), Sides::both);
+  ball.geometry = Geometry::sphere;
+  const Scene scene = place_scene(world);
+  const glm::dvec3 center = unpacked(scene.quadrics[0].center);
+  const double r = 1.0 / glm::length(unpacked(scene.quadrics[0].axis_x));
+  std::vector<Ray> rays;
+  std::vector<double> cosine;
+  for (std::size_t i = 0; i < count_or_small(20000, 20); ++i) {
+    const glm::dvec3 n = random.direction(), w = random.direction();
+    rays.push_back({packed(center + r * n), 1e30f, packed(w), QUADRIC_BIT | 0u, NONE});
+    cosine.push_back(glm::dot(n, w));
+  }
+  const Bvh bvh = build_bvh(scene, 8);
+  const std::vector<Hit> hits = trace_closest(scene, bvh, rays);
+  const std::vector<cl_uint> blocked = trace_any(scene, bvh, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (std::abs(cosine[i]) < 1e-3) continue;  // both roots at 0, to rounding
+    EXPECT_EQ(hits[i].primitive, cosine[i] > 0 ? NONE : QUADRIC_BIT) << cosine[i];
+    EXPECT_EQ(blocked[i] != 0, cosine[i] < 0);
+    if (cosine[i] < 0) {
+      EXPECT_NEAR(hits[i].t, -2 * r * cosine[i], 32 * unit_roundoff / -cosine[i]);
+    }
+  }
+}

@@ -66,7 +66,8 @@ std::vector<Ray> aimed_rays(const Scene& scene, std::size_t repeat, std::size_t 
 }
 
 void no_ray_leaves(const Mesh& mesh, std::size_t repeat, std::uint64_t seed) {
-  for (const double scale : {0x1p-20, 1.0, 0x1p20}) {
+  for (const double scale : {1.0, 0x1p-20, 0x1p20}) {
+    if (small_inputs() && scale != 1.0) break;
     const Scene scene = place_scene(world_of(scaled(mesh, scale)));
     ASSERT_EQ(scene.triangles.size(), mesh.triangles.size());
     Random random(seed);
@@ -80,9 +81,9 @@ void no_ray_leaves(const Mesh& mesh, std::size_t repeat, std::uint64_t seed) {
 
 }  // namespace
 
-TEST(watertight_test, no_ray_leaves_a_displaced_icosphere) { no_ray_leaves(icosphere(small_inputs() ? 1 : 5, 0.1, 3), 12, 1); }
+TEST(watertight_test, no_ray_leaves_a_displaced_icosphere) { no_ray_leaves(icosphere(small_inputs() ? 1 : 5, 0.1, 3), count_or_small(12, 1), 1); }
 
-TEST(watertight_test, no_ray_leaves_a_dyadic_grid_cube) { no_ray_leaves(grid_cube(small_inputs() ? 2 : 32), 8, 2); }
+TEST(watertight_test, no_ray_leaves_a_dyadic_grid_cube) { no_ray_leaves(grid_cube(small_inputs() ? 1 : 32), count_or_small(8, 1), 2); }
 
 // The same with a long needle and a plate, whose triangles are slivers of 1 : 1000.
 TEST(watertight_test, no_ray_leaves_a_stretched_mesh_of_slivers) {
@@ -91,7 +92,7 @@ TEST(watertight_test, no_ray_leaves_a_stretched_mesh_of_slivers) {
   const Scene scene = place_scene(world_of(mesh));
   Random random(3);
   std::vector<Ray> rays;
-  for (const Ray& ray : aimed_rays(scene, 4, count_or_small(20000, 10), random)) {
+  for (const Ray& ray : aimed_rays(scene, count_or_small(4, 1), count_or_small(20000, 10), random)) {
     const glm::dvec3 target = unpacked(ray.origin) + unpacked(ray.direction);
     rays.push_back(ray_towards(unpacked(ray.origin) * glm::dvec3(1.0, 1e-3, 1.0), target));
   }

@@ -247,7 +247,7 @@ TEST(light_test, triangles_without_area_change_nothing_about_a_mesh_light) {
   add_triangle(with_degenerate, {0, 0, 0}, {0, 0, 0}, {0, 0, 0});
   const auto scene_with = [&](const Mesh& m) { return lit_scene([&](World& world) { add_shape(world, diffuse(0.0), Sides::both, 1.0).mesh = m; }); };
   const Scene plain = scene_with(mesh), mixed = scene_with(with_degenerate);
-  EXPECT_EQ(mixed.degenerate_triangles, 51u);
+  EXPECT_EQ(mixed.degenerate_primitives, 51u);
   ASSERT_EQ(mixed.lights.size(), plain.lights.size());
   EXPECT_EQ(std::memcmp(mixed.lights.data(), plain.lights.data(), plain.lights.size() * sizeof(Light)), 0);
   EXPECT_EQ(mixed.light_cdf, plain.light_cdf);

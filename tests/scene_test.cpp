@@ -77,7 +77,7 @@ TEST(scene_test, lights_and_triangles_of_a_mesh_are_in_one_order_without_the_deg
   WorldShape& ball = add_shape(world, diffuse(0.0), Sides::front, 1.0);
   ball.geometry = Geometry::sphere;
   const Scene scene = place_scene(world);
-  EXPECT_EQ(scene.degenerate_triangles, 7u);
+  EXPECT_EQ(scene.degenerate_primitives, 7u);
   ASSERT_EQ(scene.triangles.size(), 12u + 13u);
   ASSERT_EQ(scene.triangle_shape.size(), scene.triangles.size());
   const Shape& shape = scene.shapes[1];
@@ -102,7 +102,7 @@ TEST(scene_test, lights_and_triangles_of_a_mesh_are_in_one_order_without_the_deg
   EXPECT_EQ(scene.quadrics[0].shape, 2u);
 }
 
-TEST(scene_test, a_mesh_of_degenerate_triangles_alone_is_no_light) {
+TEST(scene_test, a_mesh_of_degenerate_primitives_alone_is_no_light) {
   World world;
   add_frame_box(world);
   add_triangle(add_shape(world, diffuse(0.0), Sides::front, 2.0).mesh, {0, 0, 0}, {0.5, 0, 0}, {0.25, 0, 0});

@@ -124,7 +124,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
   }
 }
 
-// noinline: measured faster than inlining the loop into the path tracer, and it keeps the stack out of PoCL's work-item context.
+// Out of line, so that PoCL does not keep a copy of the stack for each work item of the group, as it does for arrays of kernels.
 OUT_OF_LINE Hit traverse_closest(const Scene *scene, const Ray *ray) {
   Hit hit = {ray->t_max, 0.0f, 0.0f, NONE, 0u};
   traverse(scene, ray, &hit, false);

@@ -7,7 +7,8 @@
 #include "features.h"
 #include "mirror.h"
 
-INLINE bool bsdf_is_delta(const Material *material) { return material->kind != MATERIAL_DIFFUSE; }
+// Where only deltas are compiled in this is a constant: light sampling and its traversal are removed.
+INLINE bool bsdf_is_delta(const Material *material) { return !HAS(DIFFUSE) || material->kind != MATERIAL_DIFFUSE; }
 
 INLINE Scatter bsdf_sample(const Material *material, float3 wo, bool front, float2 u) {
   if (HAS(DIFFUSE) && material->kind == MATERIAL_DIFFUSE) return diffuse_sample(material, u);

@@ -148,7 +148,9 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   return shadow;
 }
 
-INLINE bool path_has_shadow_ray(const ShadowRay *shadow) { return max_component(unpack3(shadow->contribution)) > 0.0f; }
+INLINE bool path_has_shadow_ray(const ShadowRay *shadow) {
+  return shadow->contribution.x > 0.0f || shadow->contribution.y > 0.0f || shadow->contribution.z > 0.0f;
+}
 
 INLINE void path_add_light(PathState *path, const ShadowRay *shadow) {
   path->radiance = pack3(unpack3(path->radiance) + unpack3(shadow->contribution));

@@ -1,5 +1,5 @@
 // The stages of path.h, each as a kernel of its own over arrays of paths: what a schedule for wide GPUs would launch, and what
-// tests reach one by one. One path per pixel of the tile-ordered range [base, base + global size). tests/stages_test checks that
+// tests reach one by one. One path per pixel of the tile-ordered range [base, base + global size). tests/stages_image checks that
 // running them in a loop gives the megakernel's film, bit for bit.
 #include "path.h"
 #include "pixel.h"

@@ -78,8 +78,11 @@ Material dielectric(Element& element) {
   material.kind = MATERIAL_DIELECTRIC;
   material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
   material.transmittance = packed(reflectance_property(element, "specular_transmittance", 1.0));
-  material.eta =
-      static_cast<float>(refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air"));
+  const double eta = refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air");
+  if (!(eta >= 1.0 / MAX_INDEX && eta <= MAX_INDEX))
+    refuse(where_is(element, "ext_ior"),
+           "\"int_ior\" over \"ext_ior\" of " + describe(element) + " lies outside [1e-6, 1e6]");
+  material.eta = static_cast<float>(eta);
   return material;
 }
 

@@ -94,7 +94,7 @@ BuildNode* build_tree(Builder& builder, std::vector<RTCBuildPrimitive>& primitiv
   arguments.sahBlockSize = quadrics ? 1 : width;
   arguments.minLeafSize = quadrics ? 1 : width;
   arguments.maxLeafSize = quadrics ? 1 : std::min<unsigned>(max_leaf_size, 4 * width);
-  arguments.intersectionCost = 0.5f;  // measured: +3 % over 1, docs/decisions/
+  arguments.intersectionCost = 0.5f;  // of one triangle to one box test: a block tests its lanes at once
   arguments.bvh = builder.bvh;
   arguments.primitives = primitives.data();
   arguments.primitiveCount = primitives.size();

@@ -13,7 +13,6 @@ enum class Exit : int {
   usage = 2,          // wrong command line
   scene = 3,          // the scene, or a file that it names, is missing or wrong
   device = 4,         // no such device, or a kernel does not compile or run
-  stopped = 5,        // stopped before its target; the image is written
 };
 
 struct Error : std::runtime_error {

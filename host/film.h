@@ -9,7 +9,7 @@
 
 namespace oclair {
 
-// Mean radiance of a pixel over its accepted samples, W/(m^2 sr); 0 without any. Rounded once.
+// Mean radiance of a pixel over its accepted samples, W/(m^2 sr); 0 without any. Rounded three times: the sum to 64 bits, the quotient, and to double.
 std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel);
 
 // Mean of the products of the channels, red, green, blue by red, green, blue: the second moments. Only if the film has them.

@@ -44,7 +44,7 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) { return {scene
 
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
-  check_memory(device, plan, film_bytes(scene.settings) + moment_bytes(scene));
+  check_memory(device, plan, film_bytes(scene.settings), moment_bytes(scene));
   try {
     Renderer renderer{&device, scene.settings, upload(device, plan), zeroed(device, film_bytes(scene.settings)),
                       zeroed(device, moment_bytes(scene)), {}, 0};

@@ -26,10 +26,11 @@ struct Lights {
   std::vector<double> flux;
   double brightest = 0.0;
 
-  void add(Light light, double power, const glm::dvec3& value) {
+  // brightness: radiance, or the irradiance of a light without area, that the scene sees.
+  void add(Light light, double power, double brightness) {
     list.push_back(light);
     flux.push_back(power);
-    brightest = std::max(brightest, largest(value));
+    brightest = std::max(brightest, brightness);
   }
 };
 
@@ -81,7 +82,7 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
     light.edge2 = pack(p2 - p0);
     light.primitive = primitive;
     light.area = static_cast<float>(area);
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), *source.radiance);
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance));
   }
   if (shape.first_triangle == scene.triangles.size()) shape.first_light = NONE;
 }
@@ -127,7 +128,7 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
     light.radiance = pack(*source.radiance);
     light.primitive = QUADRIC_BIT | static_cast<uint>(scene.quadrics.size());
     light.area = quadric.area;
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), *source.radiance);
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance));
   }
   scene.quadrics.push_back(quadric);
 }
@@ -152,10 +153,14 @@ void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sou
     light.kind = source.kind;
     light.primitive = NONE;
     glm::dvec3 value = source.value;
-    double flux = 0.0;
+    double flux = 0.0, distance2 = 1.0;
     if (source.kind == LIGHT_POINT) {
       for (int c = 0; c < 3; ++c) value[c] = std::ldexp(value[c], -2 * scene.frame.exponent);
-      light.position = pack(scene.frame.place(source.position));
+      const glm::dvec3 position = scene.frame.place(source.position);
+      light.position = pack(position);
+      // From far away an intensity says nothing about the image: what arrives counts, at a distance of 1 if the light is nearer.
+      const glm::dvec3 outside = glm::max(glm::abs(position) - 1.0, 0.0);
+      distance2 = std::max(1.0, glm::dot(outside, outside));
       flux = 4.0 * glm::pi<double>() * luminance(value);
     } else if (source.kind == LIGHT_DIRECTIONAL) {
       light.position = pack(source.position);
@@ -165,7 +170,7 @@ void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sou
       flux = 4.0 * glm::pi<double>() * glm::pi<double>() * radius2 * luminance(value);
     }
     light.radiance = pack(value);
-    lights.add(light, flux, value);
+    lights.add(light, flux, largest(value) / distance2);
   }
 }
 

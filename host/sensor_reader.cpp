@@ -13,9 +13,10 @@ namespace oclair {
 
 namespace {
 
-constexpr std::int64_t MAX_SIZE = 1 << 16;                  // pixels of a film along one side
-constexpr double MAX_FILTER_RADIUS = 64.0;                  // pixels
-constexpr double FULL_FRAME_DIAGONAL = 43.266615305567875;  // mm, of 36 mm x 24 mm: what focal_length refers to
+constexpr std::int64_t MAX_SIZE = 1 << 16;                    // pixels of a film along one side
+constexpr std::uint64_t MAX_PIXELS = std::uint64_t{1} << 31;  // of a whole film: random streams of more would coincide (rng_key)
+constexpr double MAX_FILTER_RADIUS = 64.0;                    // pixels
+constexpr double FULL_FRAME_DIAGONAL = 43.266615305567875;    // mm, of 36 mm x 24 mm: what focal_length refers to
 
 void refuse_child(const Element& element, const Element& nested, const std::string& where, const std::string& supported) {
   refuse(where, describe(nested) + " is not supported in " + describe(element) + " (supported: " + supported + ")");
@@ -44,6 +45,8 @@ void read_filter(Element& element, WorldFilm& film) {
            "\"" + name + "\" of " + describe(element) + " does not give the filter a radius in (0, 64] pixels");
 }
 
+bool has_too_many_pixels(std::uint64_t width, std::uint64_t height) { return width * height > MAX_PIXELS; }
+
 PixelFormat pixel_format(Element& element) {
   const std::vector<std::string> names = {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"};
   const auto name = choice_property(element, "pixel_format", "rgb", names);
@@ -64,6 +67,8 @@ void read_film(Document& document, std::uint32_t index, WorldFilm& film) {
   film.crop_y = size("crop_offset_y", 0, 0);
   film.crop_width = size("crop_width", film.width, 1);
   film.crop_height = size("crop_height", film.height, 1);
+  if (has_too_many_pixels(film.width, film.height))
+    refuse(where_is(element, "height"), describe(element) + " has more than 2^31 pixels (width times height)");
   if (film.crop_x + film.crop_width > film.width)
     refuse(where_is(element, "crop_width"), "the crop window is wider than the film (crop_offset_x + crop_width > width)");
   if (film.crop_y + film.crop_height > film.height)
@@ -86,6 +91,9 @@ void resize_film(glm::uvec2 size, WorldFilm& film) {
   if (film.crop_width != film.width || film.crop_height != film.height)
     throw Error(Exit::usage, "film size " + std::to_string(size.x) + "x" + std::to_string(size.y) +
                                  ": the film of the scene has a crop window; expected a scene without one");
+  if (has_too_many_pixels(size.x, size.y))
+    throw Error(Exit::usage, "film size " + std::to_string(size.x) + "x" + std::to_string(size.y) +
+                                 " has more pixels than expected: at most 2^31");
   film.width = film.crop_width = size.x;
   film.height = film.crop_height = size.y;
 }

@@ -26,7 +26,7 @@ std::size_t film_bytes(const Settings& settings);
 std::size_t moment_bytes(const Scene& scene);
 
 // Throws Error(Exit::device) if a buffer exceeds what the device allocates at once, or all of them its memory.
-void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film);
+void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments);
 
 std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan);
 

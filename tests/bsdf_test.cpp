@@ -106,6 +106,7 @@ TEST(bsdf_test, what_a_kernel_is_not_compiled_for_is_black) {
     const Scatters samples = sample_bsdf(model.material, inputs, every_feature & ~model.feature);
     const Values values = evaluate_bsdf(model.material, inputs.wo, every_feature & ~model.feature);
     for (std::size_t i = 0; i < inputs.wo.size(); ++i) {
+      ASSERT_TRUE(values.is_delta[i]) << model.name;  // no shadow ray either
       for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(samples.weight_eta[i].s[k], 0.0f) << model.name;
       for (std::size_t k = 0; k < 4; ++k) ASSERT_EQ(values.value_pdf[i].s[k], 0.0f) << model.name;
     }

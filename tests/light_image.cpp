@@ -142,6 +142,15 @@ TEST(light_image, point_light) {
   }
 }
 
+// The film's units follow what arrives, not the intensity: at 2^30 times the scene's size that is 2^60 times as much. cos = 1.
+TEST(light_image, point_light_however_far_away) {
+  for (const double distance : {1.0, 0x1p10, 0x1p20, 0x1p25, 0x1p30, 0x1p60}) {
+    World world = floor_seen_from({-0.5, -0.4, 0.6});
+    add_light(world, LIGHT_POINT, glm::dvec3(distance * distance), {0, 0, distance});
+    expect_every_sample(render_full(world, 16), radiance(1.0), 1e-6);
+  }
+}
+
 TEST(light_image, directional_light) {
   World world = floor_seen_from({-0.5, -0.4, 0.6});
   add_light(world, LIGHT_DIRECTIONAL, glm::dvec3(3.0), glm::normalize(glm::dvec3(1, 2, -2)));

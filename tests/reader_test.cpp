@@ -111,6 +111,20 @@ TEST(reader_test, crop_window_is_the_film_unless_it_is_given) {
   EXPECT_EQ(part.crop_height, 5u);
 }
 
+// Two samples of a pixel beyond would be one and the same: rng_key numbers 2^31 pixels.
+TEST(reader_test, film_has_at_most_two_to_the_31_pixels) {
+  EXPECT_EQ(film("<integer name=\"width\" value=\"65536\"/><integer name=\"height\" value=\"32768\"/>").film.height, 32768u);
+  const auto file = std::filesystem::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes" / "furnace.xml";
+  EXPECT_NO_THROW(read_scene(file, {}, {glm::uvec2(65536, 32768), {}}));
+  try {
+    read_scene(file, {}, {glm::uvec2(32769, 65536), {}});
+    FAIL() << "was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit, Exit::usage);
+    EXPECT_STREQ(error.what(), "film size 32769x65536 has more pixels than expected: at most 2^31");
+  }
+}
+
 TEST(reader_test, every_pixel_format_is_read) {
   const std::pair<const char*, PixelFormat> formats[] = {{"luminance", PixelFormat::luminance},
                                                          {"luminance_alpha", PixelFormat::luminance_alpha},

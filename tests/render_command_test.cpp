@@ -94,6 +94,7 @@ struct Failure {
 TEST(render_command_test, a_failure_has_its_exit_code_one_line_and_leaves_no_file) {
   const TemporaryDirectory directory;
   const std::string out = (directory / "out.exr").string();
+  const std::string nowhere = (directory / "missing").string() + "/";
   const TemporaryDirectory inputs;
   const std::string broken = write(inputs / "broken.xml", "<scene version=\"3.0.0\">\n  <shape type=\"sphere\">\n").string();
   const std::string crop = write(inputs / "crop.xml",
@@ -108,8 +109,8 @@ TEST(render_command_test, a_failure_has_its_exit_code_one_line_and_leaves_no_fil
       {{"render", crop, "-o", out, "--size", "8x8"}, 2, "crop window"},
       {{"render", furnace, "-o", out, "--device", "99"}, 4, "device \"99\" does not exist"},
       {{"render", furnace, "-o", out, "--device", "no such thing"}, 4, "device \"no such thing\" does not exist"},
-      {{"render", furnace, "-o", "/nonexistent/out.exr"}, 1, "/nonexistent/out.exr"},
-      {{"render", furnace, "-o", out, "--png", "/nonexistent/out.png"}, 1, "/nonexistent/out.png"},
+      {{"render", furnace, "-o", nowhere + "out.exr"}, 1, nowhere + "out.exr"},
+      {{"render", furnace, "-o", out, "--png", nowhere + "out.png"}, 1, nowhere + "out.png"},
       {{"info", "nowhere.xml"}, 3, "nowhere.xml"},
       {{"info", furnace, "--device", "99"}, 4, "device \"99\" does not exist"},
   };

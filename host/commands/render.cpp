@@ -43,10 +43,6 @@ void choose_files(const Outputs& outputs, RenderOptions& options) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
@@ -56,7 +52,7 @@ void apply(const RenderOptions& options, World& world) {
 void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress& progress) {
   const std::uint64_t pixels = std::uint64_t{renderer.settings.crop_width} * renderer.settings.crop_height;
   while (renderer.samples < samples_per_pixel) {
-    // Passes of 1, 1, 2, 4, ... samples: a first image soon, then little overhead. The film does not depend on the split.
+    // Passes of 1, 1, 2, 4, ... samples: the bar moves soon, then there is little overhead. The film does not depend on the split.
     const std::uint64_t wanted = std::clamp<std::uint64_t>(renderer.samples, 1, 16);
     const uint samples = static_cast<uint>(std::min(wanted, samples_per_pixel - renderer.samples));
     const std::uint64_t before = renderer.samples * pixels;
@@ -131,7 +127,7 @@ Exit render(const RenderOptions& options) {
   write_images(options, world, film, attributes_of(options, world, scene, device, rejected));
   progress.end();
   if (rejected > 0)
-    std::cerr << "oclair: warning: " << rejected << " samples were not finite or too large and are left out\n";
+    std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";
   return Exit::success;
 }
 

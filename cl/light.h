@@ -133,7 +133,7 @@ INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 f
   s.distance = INFINITE_DISTANCE;
   s.pdf = 0.0f;
   s.weight = unpack3(light->radiance) / light->probability;
-  s.direction = -unpack3(light->position);
+  s.direction = HAS(DIRECTIONAL_LIGHTS) ? -unpack3(light->position) : (float3)(0.0f, 0.0f, 1.0f);
   if (HAS(POINT_LIGHTS) && light->kind == LIGHT_POINT) {
     float3 d = unpack3(light->position) - from;
     float distance2 = dot(d, d);

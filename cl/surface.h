@@ -75,10 +75,10 @@ INLINE Surface surface_on_quadric(const Scene *scene, const Ray *ray, Hit hit) {
 // The hit of a ray, its normals turned to the side that the ray comes from. Where the interpolated normal faces away from the ray, the
 // geometric one takes its place (the silhouettes of coarse meshes).
 INLINE Surface surface_from_hit(const Scene *scene, const Ray *ray, Hit hit) {
-  bool on_quadric = (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS)) && (hit.primitive & QUADRIC_BIT);
+  bool on_quadric = (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS)) && (!HAS(TRIANGLES) || (hit.primitive & QUADRIC_BIT));
   Surface s;
-  if (HAS(TRIANGLES) && !on_quadric) s = surface_on_triangle(scene, hit);
-  else s = surface_on_quadric(scene, ray, hit);
+  if (on_quadric) s = surface_on_quadric(scene, ray, hit);
+  else s = surface_on_triangle(scene, hit);
   float3 wo = -unpack3(ray->direction);
   s.front = dot(s.geometric, wo) >= 0.0f;
   float3 geometric = s.front ? s.geometric : -s.geometric;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "embree.h"
@@ -238,7 +238,7 @@ std::vector<std::byte> bytes_of(const std::vector<T>& values) {
 
 template <int W>
 Bvh build(const Scene& scene) {
-  Builder triangle_builder, quadric_builder;
+  std::optional<Builder> triangle_builder, quadric_builder;  // they own the trees until these are laid out
   BuildNode root;
   const auto attach = [&](BuildNode* tree, const RTCBounds& bounds) {
     root.bounds[root.count] = bounds;
@@ -247,12 +247,12 @@ Bvh build(const Scene& scene) {
   std::vector<RTCBuildPrimitive> primitives = triangle_primitives(scene);
   if (!primitives.empty()) {
     const RTCBounds bounds = bounds_of(primitives);
-    attach(build_tree(triangle_builder, primitives, W, false), bounds);
+    attach(build_tree(triangle_builder.emplace(), primitives, W, false), bounds);
   }
   primitives = quadric_primitives(scene);
   if (!primitives.empty()) {
     const RTCBounds bounds = bounds_of(primitives);
-    attach(build_tree(quadric_builder, primitives, W, true), bounds);
+    attach(build_tree(quadric_builder.emplace(), primitives, W, true), bounds);
   }
   Layout<W> layout{scene, {}, {}};
   const bool single = root.count == 1 && !root.child[0]->leaf;

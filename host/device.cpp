@@ -135,14 +135,13 @@ cl::Program build_program(const Device& device, const std::filesystem::path& sou
         << " -DSTACK_SIZE=" << options.stack_size;
   if (device.device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     flags << " -cl-fp32-correctly-rounded-divide-sqrt";
-  flags << " -I " << directory.string() << " -I " << source.parent_path().string();
 
   // Versions of PoCL return a stale cached kernel when only an option or an included file changed (its issue 608), so the
-  // text itself says what it is compiled with and from.
+  // text itself says what it is compiled with and from. Included files find each other beside themselves: with no -I, a blank
+  // in the path, which no option can hold, does no harm.
   std::ostringstream text;
-  text << "// " << std::hex << hash(flags.str(), hash_of_headers(directory)) << "\n#line 1 \"" << source.filename().string()
-       << "\"\n"
-       << read_text(source);
+  text << "// " << std::hex << hash(flags.str() + read_text(source), hash_of_headers(directory)) << "\n#include \""
+       << std::filesystem::absolute(source).string() << "\"\n";
   try {
     cl::Program program(device.context, text.str());
     try {

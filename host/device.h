@@ -35,7 +35,7 @@ struct KernelOptions {
   int stack_size = 64;     // entries of the traversal stack
 };
 
-// Compiles the file (its #includes are looked for in the kernel directory and beside it). No flag that relaxes arithmetic is
+// Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is
 // ever given. Throws Error(Exit::device) with the compiler's first message.
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options);
 

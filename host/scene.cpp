@@ -34,6 +34,10 @@ struct Lights {
   }
 };
 
+// What a light of this canonical area and radiance 1 sends to distance 1: the film is laid out for what is lit, and its headroom of
+// 2^40 holds the light itself, seen directly, down to an area of 2^-30.
+double brightness_of(double area) { return std::clamp(area, 0x1p-30, 1.0); }
+
 std::uint32_t material_feature(const Material& material) {
   switch (material.kind) {
     case MATERIAL_DIFFUSE: return FEATURE_DIFFUSE;
@@ -82,7 +86,7 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
     light.edge2 = pack(p2 - p0);
     light.primitive = primitive;
     light.area = static_cast<float>(area);
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance));
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance) * brightness_of(area));
   }
   if (shape.first_triangle == scene.triangles.size()) shape.first_light = NONE;
 }
@@ -128,7 +132,7 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
     light.radiance = pack(*source.radiance);
     light.primitive = QUADRIC_BIT | static_cast<uint>(scene.quadrics.size());
     light.area = quadric.area;
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance));
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance) * brightness_of(area));
   }
   scene.quadrics.push_back(quadric);
 }
@@ -170,6 +174,7 @@ void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sou
       flux = 4.0 * glm::pi<double>() * glm::pi<double>() * radius2 * luminance(value);
     }
     light.radiance = pack(value);
+    if (!(light.radiance.x + light.radiance.y + light.radiance.z > 0.0f)) continue;  // too weak for float32: no light
     lights.add(light, flux, largest(value) / distance2);
   }
 }

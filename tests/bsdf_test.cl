@@ -1,4 +1,4 @@
-#include "bsdf.h"
+#include "../cl/bsdf.h"
 
 __kernel void sample(uint count, __global const Material *materials, __global const float4 *wo, __global const uint *front,
                      __global const float2 *u, __global float4 *direction_pdf, __global float4 *weight_eta) {

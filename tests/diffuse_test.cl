@@ -1,4 +1,4 @@
-#include "diffuse.h"
+#include "../cl/diffuse.h"
 
 __kernel void sample(uint count, __global const Material *materials, __global const float2 *u, __global float4 *direction_pdf,
                      __global float4 *weight_eta) {

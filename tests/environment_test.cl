@@ -1,5 +1,5 @@
 // Probes of the arithmetic that every kernel gets from the device and from the options of build_program.
-#include "types.h"
+#include "../cl/types.h"
 
 __kernel void product_less(uint count, __global const float *x, __global const float *y, __global const float *z,
                            __global float *unfused, __global float *fused) {

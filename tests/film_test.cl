@@ -1,4 +1,4 @@
-#include "film.h"
+#include "../cl/film.h"
 
 // Work item i adds samples [i * per_pixel, (i + 1) * per_pixel) to pixel place[i], each `repeat` times.
 __kernel void add(uint count, __global const uint *place, __global const packed_float3 *samples, uint per_pixel, uint repeat, int exponent,

@@ -1,4 +1,4 @@
-#include "filter.h"
+#include "../cl/filter.h"
 
 __kernel void cdf(uint count, __global const float2 *table, uint entries, float radius, __global const float *x, __global float *result) {
   size_t i = get_global_id(0);

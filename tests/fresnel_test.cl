@@ -1,4 +1,4 @@
-#include "fresnel.h"
+#include "../cl/fresnel.h"
 
 // One row for each combination: reflectance, transmittance, cosine of the transmitted direction, relative index.
 __kernel void dielectric(uint count, __global const float *cosine, __global const float *eta, __global const uint *front,

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "../cl/types.h"
 
 #include "layout_members.h"
 

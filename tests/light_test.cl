@@ -1,4 +1,4 @@
-#include "light.h"
+#include "../cl/light.h"
 
 __kernel void choose(uint count, __global const uint *cdf, uint lights, __global const uint *bits, __global uint *which) {
   size_t i = get_global_id(0);

@@ -1,4 +1,4 @@
-#include "mirror.h"
+#include "../cl/mirror.h"
 
 __kernel void sample_mirror(uint count, __global const Material *materials, __global const float4 *wo,
                             __global float4 *direction_pdf, __global float4 *weight_eta) {

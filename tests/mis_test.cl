@@ -1,4 +1,4 @@
-#include "mis.h"
+#include "../cl/mis.h"
 
 __kernel void power(uint count, __global const float *a, __global const float *b, __global float *weight) {
   size_t i = get_global_id(0);

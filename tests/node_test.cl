@@ -1,4 +1,4 @@
-#include "traverse.h"
+#include "../cl/traverse.h"
 
 // Node i against ray i.
 __kernel void intersect(uint count, __global const BvhNode *nodes, __global const Ray *rays, __global uint *mask, __global float *near) {

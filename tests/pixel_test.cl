@@ -1,4 +1,4 @@
-#include "pixel.h"
+#include "../cl/pixel.h"
 
 // x, y, index, inside, stream of every index.
 __kernel void pixels(uint count, __global const Settings *settings, __global uint *result) {

@@ -1,4 +1,4 @@
-#include "quadric.h"
+#include "../cl/quadric.h"
 
 // Semantics: bit 0 starts, bit 1 ends.
 __kernel void intersect(uint count, __global const Quadric *quadrics, __global const Ray *rays, __global const uint *semantics, __global float *t) {

@@ -1,4 +1,4 @@
-#include "rng.h"
+#include "../cl/rng.h"
 
 __kernel void unit(uint count, __global const uint *bits, __global float *result) {
   size_t i = get_global_id(0);

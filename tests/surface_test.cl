@@ -1,7 +1,7 @@
-#include "rng.h"
-#include "surface.h"
-#include "traverse.h"
-#include "warp.h"
+#include "../cl/rng.h"
+#include "../cl/surface.h"
+#include "../cl/traverse.h"
+#include "../cl/warp.h"
 
 typedef struct Result {
   packed_float3 position, error, geometric, shading;

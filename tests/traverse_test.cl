@@ -1,4 +1,4 @@
-#include "traverse.h"
+#include "../cl/traverse.h"
 
 __kernel void closest(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Quadric *quadrics,
                       __global const Ray *rays, __global Hit *hits) {

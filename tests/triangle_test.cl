@@ -1,4 +1,4 @@
-#include "triangle.h"
+#include "../cl/triangle.h"
 
 // Block i against ray i; t, b1, b2 of every lane.
 __kernel void intersect(uint count, __global const TriangleBlock *blocks, __global const Ray *rays, __global uint *mask,

@@ -1,4 +1,4 @@
-#include "vector.h"
+#include "../cl/vector.h"
 
 __kernel void pack(uint count, __global const float4 *v, __global packed_float3 *packed) {
   size_t i = get_global_id(0);

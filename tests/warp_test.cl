@@ -1,4 +1,4 @@
-#include "warp.h"
+#include "../cl/warp.h"
 
 __kernel void circle(uint count, __global const float *u, __global float2 *result) {
   size_t i = get_global_id(0);

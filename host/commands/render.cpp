@@ -73,22 +73,22 @@ std::string feature_names(std::uint32_t features) {
 }
 
 // What made the image; nothing that differs between two equal runs.
-ImageAttributes attributes_of(const RenderOptions& options, const World& world, const Scene& scene, const Device& device,
+ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, const Device& device, std::uint64_t samples,
                               std::uint64_t rejected) {
   return {{"software", "oclair " OCLAIR_VERSION},
           {"scene", options.scene.filename().string()},
-          {"samplesPerPixel", std::to_string(world.samples_per_pixel)},
-          {"seed", std::to_string(world.seed)},
+          {"samplesPerPixel", std::to_string(samples)},
+          {"seed", std::to_string(scene.settings.seed)},
           {"features", feature_names(scene.features)},
           {"approximations", "none"},
           {"device", device.name + " (" + device.platform + ")"},
           {"rejectedSamples", std::to_string(rejected)}};
 }
 
-void write_images(const RenderOptions& options, const World& world, const Film& film, const ImageAttributes& attributes) {
-  const WorldFilm& f = world.film;
+void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
+                  const ImageAttributes& attributes) {
   if (options.exr) {
-    const std::vector<Layer> layers = layers_of(film, f.pixel_format, world.integrator.moment_name);
+    const std::vector<Layer> layers = layers_of(film, f.pixel_format, moment_name);
     ImageChannels channels;
     for (const Layer& layer : layers) channels.push_back({layer.name, {layer.values}});
     write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height}, channels, attributes);
@@ -115,16 +115,19 @@ Exit render(const RenderOptions& options) {
   print_warnings(world, std::cerr);
   apply(options, world);
   progress.begin("BVH");
-  const Scene scene = place_scene(world);
+  const WorldFilm window = world.film;
+  const std::string moment_name = world.integrator.moment_name;
+  const std::uint64_t samples_per_pixel = world.samples_per_pixel;
+  const Scene scene = place_scene(std::move(world));
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);
   progress.begin("passes");
-  render_passes(renderer, world.samples_per_pixel, progress);
+  render_passes(renderer, samples_per_pixel, progress);
   progress.begin("write");
   const Film film = read_film(renderer);
   const std::uint64_t rejected = rejected_samples(film);
-  write_images(options, world, film, attributes_of(options, world, scene, device, rejected));
+  write_images(options, window, moment_name, film, attributes_of(options, scene, device, samples_per_pixel, rejected));
   progress.end();
   if (rejected > 0)
     std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";

@@ -105,7 +105,9 @@ std::string describe(const cl::Device& device) {
 Device open_device(const std::string& selector) {
   const std::vector<cl::Device> devices = list_devices();
   if (devices.empty())
-    throw Error(Exit::device, "no OpenCL device found: expected an OpenCL driver, for example the package pocl-opencl-icd");
+    throw Error(Exit::device,
+                "no OpenCL device found: expected an OpenCL driver, for example the package pocl-opencl-icd, and for PoCL a "
+                "writable POCL_CACHE_DIR, ~/.cache by default");
   const cl::Device device = devices[select(devices, selector)];
   try {
     cl::Context context(device);

@@ -160,7 +160,8 @@ void check_version(const Source& source, pugi::xml_node root) {
 std::string read_text(Parser& parser, const fs::path& file, const std::string& included_at) {
   std::error_code error;
   const std::string prefix = included_at.empty() ? "" : included_at + ": ";
-  if (!fs::is_regular_file(file, error)) throw Error(Exit::scene, prefix + file.string() + ": there is no such file");
+  if (!fs::is_regular_file(file, error))
+    throw Error(Exit::scene, prefix + file.string() + (fs::exists(file, error) ? ": is not a file" : ": there is no such file"));
   std::ifstream stream(file, std::ios::binary);
   const auto size = fs::file_size(file, error);
   if (!stream || error) throw Error(Exit::scene, prefix + file.string() + ": cannot be read");

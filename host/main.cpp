@@ -1,3 +1,6 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <new>
@@ -25,6 +28,19 @@ Exit run(int argc, char** argv) {
   throw Error(Exit::usage, "a command is required: render, info or devices (see oclair --help)");
 }
 
+// A closed standard stream is one that nobody reads. Its number must not go to the next file that is opened, by the OpenCL driver say.
+void open_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1) open("/dev/null", O_RDWR);  // takes the lowest free number: this one
+  }
+}
+
+// What is in the buffer is written now, while a failure can still be told.
+void flush_results() {
+  if (!std::cout.flush())
+    throw Error(Exit::render_failed, "standard output: cannot be written, expected room for the results");
+}
+
 int report(Exit exit, const std::string& message) {
   std::cerr << "oclair: " << message << "\n";
   return static_cast<int>(exit);
@@ -35,8 +51,11 @@ int report(Exit exit, const std::string& message) {
 
 int main(int argc, char** argv) {
   using namespace oclair;
+  open_closed_streams();
   try {
-    return static_cast<int>(run(argc, argv));
+    const Exit exit = run(argc, argv);
+    flush_results();
+    return static_cast<int>(exit);
   } catch (const Error& error) {
     return report(error.exit, error.what());
   } catch (const std::bad_alloc&) {

@@ -160,7 +160,7 @@ TEST(camera_test, samples_stay_in_the_window_unless_the_border_is_sampled) {
   for (const bool border : {false, true}) {
     world.film.sample_border = border;
     const Scene scene = place_scene(world);
-    std::vector<Ray> all(count_or_small(5000, 200));
+    std::vector<Ray> all(count_or_small(5000, 500));  // P(none within reach of an end) = (1 - reach^2 / 8)^n <= 2e-3, 1e-7
     run("camera_test.cl", "samples", all.size(), std::vector<Camera>{scene.camera}, std::vector<Settings>{scene.settings}, scene.filter, cl_uint{2}, cl_uint{4}, out(all));
     double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9, xx = 0, yy = 0, xy = 0;
     for (const Ray& ray : all) {  // the view is along +x, left is +y, up is +z, tan 1: back to the film

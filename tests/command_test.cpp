@@ -32,6 +32,22 @@ TEST(command_test, version_is_the_name_and_the_number) {
   EXPECT_EQ(result.err, "");
 }
 
+TEST(command_test, results_that_cannot_be_written_are_a_failure_of_output) {
+  for (const Arguments& arguments : {Arguments{"--version"}, {"--help"}, {"devices"}}) {
+    const ProgramResult result = run_oclair_into("/dev/full", arguments);  // every write to it fails like on a full disk
+    EXPECT_EQ(result.exit, 1) << arguments[0];
+    EXPECT_EQ(result.err, "oclair: standard output: cannot be written, expected room for the results\n");
+  }
+}
+
+TEST(command_test, a_closed_standard_output_is_no_failure) {
+  for (const Arguments& arguments : {Arguments{"--version"}, {"--help"}, {"devices"}}) {
+    const ProgramResult result = run_oclair_into("", arguments);
+    EXPECT_EQ(result.exit, 0) << arguments[0];
+    EXPECT_EQ(result.err, "");
+  }
+}
+
 struct UsageError {
   Arguments arguments;
   std::string message;

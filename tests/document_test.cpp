@@ -174,7 +174,15 @@ TEST(document_test, scene_file_that_is_missing_is_named) {
   }
 }
 
-TEST(document_test, directory_is_not_a_scene) { EXPECT_THROW(read_scene("."), Error); }
+TEST(document_test, scene_that_is_a_directory_is_not_called_missing) {
+  try {
+    read_scene(".");
+    FAIL() << "was accepted";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), ".: is not a file");
+    EXPECT_EQ(error.exit, Exit::scene);
+  }
+}
 
 TEST(document_test, doctype_comments_and_declarations_are_no_content) {
   SceneDirectory directory;

@@ -1,5 +1,6 @@
 #include "program.h"
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,24 +17,45 @@ std::string content(std::FILE* file) {
   return text;
 }
 
-}  // namespace
-
-ProgramResult run_oclair(const std::vector<std::string>& arguments) {
+// Runs in the child; does not return.
+[[noreturn]] void become_oclair(const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>("oclair")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  std::FILE* const out = std::tmpfile();
+  execv(OCLAIR_PROGRAM, argv.data());
+  _exit(127);
+}
+
+// `connect_out` runs in the child and gives it its standard output.
+template <typename ConnectOut>
+ProgramResult run(const std::vector<std::string>& arguments, ConnectOut connect_out) {
   std::FILE* const err = std::tmpfile();
-  if (!out || !err) throw std::runtime_error("no temporary file");
+  if (!err) throw std::runtime_error("no temporary file");
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no process");
   if (child == 0) {
-    dup2(fileno(out), STDOUT_FILENO);
+    connect_out();
     dup2(fileno(err), STDERR_FILENO);
-    execv(OCLAIR_PROGRAM, argv.data());
-    _exit(127);
+    become_oclair(arguments);
   }
   int status = 0;
   waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), content(out), content(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), "", content(err)};
+}
+
+}  // namespace
+
+ProgramResult run_oclair(const std::vector<std::string>& arguments) {
+  std::FILE* const out = std::tmpfile();
+  if (!out) throw std::runtime_error("no temporary file");
+  ProgramResult result = run(arguments, [&] { dup2(fileno(out), STDOUT_FILENO); });
+  result.out = content(out);
+  return result;
+}
+
+ProgramResult run_oclair_into(const std::filesystem::path& out, const std::vector<std::string>& arguments) {
+  return run(arguments, [&] {
+    close(STDOUT_FILENO);
+    if (!out.empty() && open(out.c_str(), O_WRONLY) != STDOUT_FILENO) _exit(127);
+  });
 }

@@ -1,6 +1,7 @@
 // Runs the real program and returns what it said.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,3 +11,6 @@ struct ProgramResult {
 };
 
 ProgramResult run_oclair(const std::vector<std::string>& arguments);
+
+// The same with standard output to a file, which exists, or closed if no file is named; ProgramResult::out is empty.
+ProgramResult run_oclair_into(const std::filesystem::path& out, const std::vector<std::string>& arguments);

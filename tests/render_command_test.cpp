@@ -50,6 +50,16 @@ TEST(render_command_test, names_of_the_files_go_to_stdout_and_phases_to_stderr) 
   EXPECT_EQ(directory.names().size(), 2u);
 }
 
+TEST(render_command_test, on_one_terminal_the_names_of_the_files_have_lines_of_their_own) {
+  const TemporaryDirectory directory;
+  const fs::path exr = directory / "a.exr", log = directory / "log";
+  std::string line = OCLAIR_PROGRAM;
+  for (const std::string& argument : quick(exr, {"--png"})) line += " '" + argument + "'";
+  ASSERT_EQ(std::system((line + " >'" + log.string() + "' 2>&1").c_str()), 0);
+  const std::string names = "\n" + exr.string() + "\n" + (directory / "a.png").string() + "\n";
+  EXPECT_NE(bytes_of(log).find(names), std::string::npos) << bytes_of(log);
+}
+
 TEST(render_command_test, two_equal_runs_write_equal_bytes) {
   const TemporaryDirectory directory;
   const fs::path first = directory / "a.exr", second = directory / "b.exr";
@@ -133,6 +143,7 @@ TEST(render_command_test, without_an_opencl_platform_the_device_is_what_fails) {
   ::unsetenv("OCL_ICD_VENDORS");
   EXPECT_EQ(list.exit, 4);
   EXPECT_NE(list.err.find("no OpenCL device found: expected an OpenCL driver"), std::string::npos) << list.err;
+  EXPECT_NE(list.err.find("POCL_CACHE_DIR"), std::string::npos) << list.err;  // without a cache PoCL has no devices either
   EXPECT_EQ(render.exit, 4);
 }
 

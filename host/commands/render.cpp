@@ -92,13 +92,11 @@ void write_images(const RenderOptions& options, const WorldFilm& f, const std::s
     ImageChannels channels;
     for (const Layer& layer : layers) channels.push_back({layer.name, {layer.values}});
     write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height}, channels, attributes);
-    std::cout << options.exr->string() << "\n";
   }
   if (options.png) {
     const std::vector<float> rgb = rgb_of(film);
     const std::span<const float> values(rgb);
     write_png(*options.png, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-    std::cout << options.png->string() << "\n";
   }
 }
 
@@ -128,7 +126,9 @@ Exit render(const RenderOptions& options) {
   const Film film = read_film(renderer);
   const std::uint64_t rejected = rejected_samples(film);
   write_images(options, window, moment_name, film, attributes_of(options, scene, device, samples_per_pixel, rejected));
-  progress.end();
+  progress.end();  // ends its line first: on a terminal both streams are one
+  for (const auto& written : {options.exr, options.png})
+    if (written) std::cout << written->string() << "\n";
   if (rejected > 0)
     std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";
   return Exit::success;

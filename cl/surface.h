@@ -75,7 +75,8 @@ INLINE Surface surface_on_quadric(const Scene *scene, const Ray *ray, Hit hit) {
 // The hit of a ray, its normals turned to the side that the ray comes from. Where the interpolated normal faces away from the ray, the
 // geometric one takes its place (the silhouettes of coarse meshes).
 INLINE Surface surface_from_hit(const Scene *scene, const Ray *ray, Hit hit) {
-  bool on_quadric = (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS)) && (!HAS(TRIANGLES) || (hit.primitive & QUADRIC_BIT));
+  bool has_quadrics = HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS);
+  bool on_quadric = has_quadrics && (!HAS(TRIANGLES) || (hit.primitive & QUADRIC_BIT) != 0u);
   Surface s;
   if (on_quadric) s = surface_on_quadric(scene, ray, hit);
   else s = surface_on_triangle(scene, hit);

@@ -24,19 +24,19 @@ double largest(const glm::dvec3& v) { return std::max(v.x, std::max(v.y, v.z)); 
 struct Lights {
   std::vector<Light>& list;
   std::vector<double> flux;
-  double brightest = 0.0;
+  double illumination = 0.0;  // irradiance at distance 1, all lights together, the largest channel
+  double brightest = 0.0;     // radiance of an area light
 
-  // brightness: radiance, or the irradiance of a light without area, that the scene sees.
-  void add(Light light, double power, double brightness) {
+  void add(Light light, double power, double irradiance, double radiance) {
     list.push_back(light);
     flux.push_back(power);
-    brightest = std::max(brightest, brightness);
+    illumination += irradiance;
+    brightest = std::max(brightest, radiance);
   }
-};
 
-// What a light of this canonical area and radiance 1 sends to distance 1: the film is laid out for what is lit, and its headroom of
-// 2^40 holds the light itself, seen directly, down to an area of 2^-30.
-double brightness_of(double area) { return std::clamp(area, 0x1p-30, 1.0); }
+  // The film is laid out for what is lit; its headroom of 2^40 must also hold a small bright light seen directly.
+  double film_scale() const { return std::max(illumination, std::ldexp(brightest, -30)); }
+};
 
 std::uint32_t material_feature(const Material& material) {
   switch (material.kind) {
@@ -59,7 +59,8 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
   for (const glm::dvec3& p : mesh.positions) scene.positions.push_back(pack(scene.frame.place(p)));
   for (const glm::dvec3& n : mesh.normals) scene.normals.push_back(pack(n));
 
-  const bool emits = source.radiance && largest(*source.radiance) > 0.0;
+  const double brightest = source.radiance ? largest(*source.radiance) : 0.0;
+  const bool emits = brightest > 0.0;
   if (emits) shape.first_light = static_cast<uint>(scene.lights.size());
   for (const glm::uvec3& triangle : mesh.triangles) {
     const glm::uvec3 v = triangle + glm::uvec3(static_cast<uint>(first_position));
@@ -86,7 +87,7 @@ void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape
     light.edge2 = pack(p2 - p0);
     light.primitive = primitive;
     light.area = static_cast<float>(area);
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance) * brightness_of(area));
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
   }
   if (shape.first_triangle == scene.triangles.size()) shape.first_light = NONE;
 }
@@ -125,14 +126,15 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
   quadric.flip = source.flip_normals ? -1.0f : 1.0f;
   const double area = quadric_area(source.geometry, map);
   quadric.area = static_cast<float>(area);
-  if (source.radiance && largest(*source.radiance) > 0.0) {
+  const double brightest = source.radiance ? largest(*source.radiance) : 0.0;
+  if (brightest > 0.0) {
     scene.shapes[shape_index].first_light = static_cast<uint>(scene.lights.size());
     Light light{};
     light.kind = LIGHT_QUADRIC;
     light.radiance = pack(*source.radiance);
     light.primitive = QUADRIC_BIT | static_cast<uint>(scene.quadrics.size());
     light.area = quadric.area;
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), largest(*source.radiance) * brightness_of(area));
+    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
   }
   scene.quadrics.push_back(quadric);
 }
@@ -175,7 +177,7 @@ void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sou
     }
     light.radiance = pack(value);
     if (!(light.radiance.x + light.radiance.y + light.radiance.z > 0.0f)) continue;  // too weak for float32: no light
-    lights.add(light, flux, largest(value) / distance2);
+    lights.add(light, flux, largest(value) / distance2, 0.0);
   }
 }
 
@@ -190,7 +192,7 @@ void finish_lights(Scene& scene, const Lights& lights) {
     below = end;
     if (scene.lights[i].kind == LIGHT_CONSTANT) scene.settings.environment_probability = scene.lights[i].probability;
   }
-  std::frexp(lights.brightest, &scene.settings.film_exponent);
+  std::frexp(lights.film_scale(), &scene.settings.film_exponent);
 }
 
 Camera place_camera(const WorldCamera& source, const WorldFilm& film, const CanonicalFrame& frame) {

@@ -1,8 +1,8 @@
 // The camera against a pinhole in double, and the entry of far rays into the box of the scene.
 #include <set>
 
-#include "chi_square.h"
 #include "random.h"
+#include "statistics.h"
 #include "worlds.h"
 
 using namespace oclair;

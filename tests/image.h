@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "statistics.h"
 #include "worlds.h"
 
 namespace oclair::test {
@@ -11,7 +12,7 @@ namespace oclair::test {
 inline constexpr double unit_roundoff = 0x1p-24;
 
 // Two-sided false-alarm rate of 2e-5 for one judgement: 1e-3 for a family of 50 (Sidak).
-inline constexpr double z_limit = 4.27;
+inline constexpr double z_limit = sidak_z;
 // A bias of (z_limit + 1.28) standard errors is found with a probability of 90 %.
 inline constexpr double z_power = z_limit + 1.28;
 

@@ -136,17 +136,32 @@ TEST(scene_test, quadrics_have_the_area_and_the_axes_of_their_map) {
   EXPECT_EQ(scene.quadrics[2].flip, -1.0f);
 }
 
-// 2^(e - 1) <= brightest < 2^e, over all lights and channels.
-TEST(scene_test, the_film_exponent_is_that_of_the_brightest_light) {
+// 2^(e - 1) <= irradiance at distance 1 < 2^e: radiance times canonical area, and the irradiance of the directional light.
+TEST(scene_test, the_film_exponent_is_that_of_the_illumination) {
   for (const double brightness : {1e-30, 0.5, 0.75, 1.0, 3.0, 1e30}) {
     World world;
     add_frame_box(world);
     world.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(0.1 * brightness), {0, 0, 1}});
     add_box(add_shape(world, diffuse(0.0), Sides::front).mesh, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
     world.shapes.back().radiance = glm::dvec3(0.0, brightness, 0.5 * brightness);
+    const Scene scene = place_scene(world);
+    const double area = std::ldexp(6.0, -2 * scene.frame.exponent);
+    const int e = scene.settings.film_exponent;
+    EXPECT_LE(std::ldexp(1.0, e - 1), (area + 0.1) * brightness);
+    EXPECT_GT(std::ldexp(1.0, e), (area + 0.1) * brightness);
+  }
+}
+
+// Its own radiance must stay below the film's headroom of 2^40, with room for a path's throughput.
+TEST(scene_test, a_tiny_light_of_any_radiance_fits_the_film_when_it_is_seen_directly) {
+  for (const double size : {1e-3, 1e-9, 1e-15}) {
+    World world;
+    add_frame_box(world);
+    add_quad(add_shape(world, diffuse(0.0), Sides::front).mesh, {0, 0, 0}, {size, 0, 0}, {0, size, 0});
+    world.shapes.back().radiance = glm::dvec3(1e20);
     const int e = place_scene(world).settings.film_exponent;
-    EXPECT_LE(std::ldexp(1.0, e - 1), brightness);
-    EXPECT_GT(std::ldexp(1.0, e), brightness);
+    EXPECT_GT(std::ldexp(1.0, e + FILM_HEADROOM_BITS), 1000.0 * 1e20) << size;
+    EXPECT_LE(std::ldexp(1.0, e - 1), std::max(1e20 * size * size, std::ldexp(1e20, -30))) << size;
   }
 }
 
@@ -155,7 +170,7 @@ TEST(scene_test, settings_are_those_of_the_world) {
   add_frame_box(world);
   world.seed = 0x123456789abcdefull;
   world.film = {64, 32, 1, 2, 30, 20, FilterKind::tent, 1.5, 0.5, true, PixelFormat::rgb};
-  world.integrator = {17, 3, true, false};
+  world.integrator = {17, 3, true, false, ""};
   const Settings s = place_scene(world).settings;
   EXPECT_EQ(s.seed, 0x123456789abcdefull);
   EXPECT_EQ((std::array<uint, 6>{s.film_width, s.film_height, s.crop_x, s.crop_y, s.crop_width, s.crop_height}), (std::array<uint, 6>{64, 32, 1, 2, 30, 20}));

@@ -13,6 +13,7 @@ namespace oclair::test {
 
 // Of one statistical TEST, by Sidak: 1e-3 over a suite of 50.
 inline constexpr double false_alarm = 2e-5;
+inline constexpr double sidak_z = 4.27;  // the same as a two-sided bound on a normal deviate
 
 // The same for each of `comparisons` within one TEST.
 inline double significance(double comparisons) { return -std::expm1(std::log1p(-false_alarm) / comparisons); }

@@ -9,13 +9,15 @@
 namespace oclair {
 using uint = std::uint32_t;
 using ulong = std::uint64_t;
-inline constexpr uint NONE = 0xffffffffu;  // no shape, no material, no light, no primitive; as a macro it breaks other headers
+#define OCLAIR_CONSTANT inline constexpr
 #else
-#define NONE 0xffffffffu
+#define OCLAIR_CONSTANT __constant
 // PoCL contracts a*b-c into fma by default, which breaks the antisymmetry that watertight edges rest on (Woop et al. 2013).
 // Every kernel source includes this file first; where a fused operation is wanted, fma() is written.
 #pragma OPENCL FP_CONTRACT OFF
 #endif
+
+OCLAIR_CONSTANT uint NONE = 0xffffffffu;  // no shape, no material, no light, no primitive; as a macro it would break other headers
 
 #define QUADRIC_BIT 0x80000000u  // set in the id of a primitive that is a quadric and not a triangle
 #define LEAF_BIT 0x80000000u     // set in a child reference that is a leaf (see BvhNode)

@@ -5,7 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "distribution.h"
 #include "error.h"
+#include "filter.h"
 
 namespace oclair {
 namespace {
@@ -256,46 +258,6 @@ std::uint32_t features_of(const Scene& scene, const World& world) {
 }
 
 }  // namespace
-
-std::vector<uint> distribution(const std::vector<double>& weights) {
-  const std::size_t n = weights.size();
-  long double total = 0.0L;
-  for (double w : weights) total += w;
-  const long double units = 4294967296.0L - static_cast<long double>(n);  // one unit for each item is set aside
-  std::vector<uint> cdf(n);
-  long double sum = 0.0L;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    sum += weights[i];
-    cdf[i] = static_cast<uint>(std::min(units, std::floor(sum / total * units)) + static_cast<long double>(i + 1));
-  }
-  cdf[n - 1] = 0xffffffffu;
-  return cdf;
-}
-
-std::vector<std::array<float, 2>> filter_table(FilterKind kind, double radius, double stddev) {
-  // The Gaussian's density is off by at most width^2 f''/8 = 3e-5 of its peak between the entries.
-  const int count = kind == FilterKind::box ? 2 : kind == FilterKind::tent ? 3 : 513;
-  const double width = 2.0 * radius / (count - 1);
-  std::vector<double> density(count, 1.0);
-  if (kind == FilterKind::tent) density = {0.0, 1.0, 0.0};
-  if (kind == FilterKind::gaussian) {
-    const double edge = std::exp(-0.5 * radius * radius / (stddev * stddev));
-    for (int i = 0; i < count; ++i) {
-      const double x = -radius + i * width;
-      density[i] = std::max(0.0, std::exp(-0.5 * x * x / (stddev * stddev)) - edge);
-    }
-  }
-  double total = 0.0;
-  for (int i = 0; i + 1 < count; ++i) total += 0.5 * width * (density[i] + density[i + 1]);
-  std::vector<std::array<float, 2>> table(count);
-  double integral = 0.0;
-  for (int i = 0; i < count; ++i) {
-    if (i > 0) integral += 0.5 * width * (density[i - 1] + density[i]) / total;
-    table[i] = {static_cast<float>(density[i] / total), static_cast<float>(integral)};
-  }
-  table.back()[1] = 1.0f;
-  return table;
-}
 
 Scene place_scene(World world) {
   Scene scene;

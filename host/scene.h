@@ -38,11 +38,4 @@ struct Scene {
 // Takes the world apart as it goes. Throws Error(Exit::scene) if the scene exceeds what the structs can number.
 Scene place_scene(World world);
 
-// Cumulative distribution in units of 2^-32 with entry i - 1 <= x < entry i for item i; every item gets at least one unit,
-// so that none is lost however small its weight. Weights > 0; at most 2^31 of them. The last entry stands for 2^32.
-std::vector<uint> distribution(const std::vector<double>& weights);
-
-// Table of cl/filter.h.
-std::vector<std::array<float, 2>> filter_table(FilterKind kind, double radius, double stddev);
-
 }  // namespace oclair

@@ -1,4 +1,5 @@
 // The filter's table and its sampling against the closed forms of box, tent and truncated Gaussian.
+#include "../host/filter.h"
 #include "../host/scene.h"
 #include "kernel.h"
 #include "random.h"

@@ -1,6 +1,7 @@
 // Choosing lights, and the value and density of light samples against closed forms.
 #include <functional>
 
+#include "../host/distribution.h"
 #include "lights.h"
 
 using namespace oclair;

@@ -29,6 +29,12 @@ std::vector<std::string> quick(const fs::path& output, std::vector<std::string> 
   return arguments;
 }
 
+std::string shell_line(const fs::path& program, const std::vector<std::string>& arguments) {
+  std::string line = "'" + program.string() + "'";
+  for (const std::string& argument : arguments) line += " '" + argument + "'";
+  return line;
+}
+
 fs::path write(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
   return file;
@@ -53,11 +59,21 @@ TEST(render_command_test, names_of_the_files_go_to_stdout_and_phases_to_stderr) 
 TEST(render_command_test, on_one_terminal_the_names_of_the_files_have_lines_of_their_own) {
   const TemporaryDirectory directory;
   const fs::path exr = directory / "a.exr", log = directory / "log";
-  std::string line = OCLAIR_PROGRAM;
-  for (const std::string& argument : quick(exr, {"--png"})) line += " '" + argument + "'";
-  ASSERT_EQ(std::system((line + " >'" + log.string() + "' 2>&1").c_str()), 0);
+  ASSERT_EQ(std::system((shell_line(OCLAIR_PROGRAM, quick(exr, {"--png"})) + " >'" + log.string() + "' 2>&1").c_str()), 0);
   const std::string names = "\n" + exr.string() + "\n" + (directory / "a.png").string() + "\n";
   EXPECT_NE(bytes_of(log).find(names), std::string::npos) << bytes_of(log);
+}
+
+// No option of a kernel compiler can hold a blank, so no path may be one.
+TEST(render_command_test, an_installation_with_a_blank_in_its_path_renders) {
+  const TemporaryDirectory directory;
+  const fs::path program = directory / "a place/bin/oclair", exr = directory / "a.exr";
+  fs::create_directories(program.parent_path());
+  fs::copy_file(OCLAIR_PROGRAM, program);
+  fs::create_directories(directory / "a place/share/oclair");
+  fs::copy(scenes.parent_path() / "cl", directory / "a place/share/oclair/cl");
+  EXPECT_EQ(std::system((shell_line(program, quick(exr)) + " >/dev/null 2>&1").c_str()), 0);
+  EXPECT_TRUE(fs::exists(exr));
 }
 
 TEST(render_command_test, two_equal_runs_write_equal_bytes) {

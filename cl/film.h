@@ -1,5 +1,5 @@
 // The film: exact sums. A sample is rounded once, to a multiple of 2^(exponent - FILM_FRACTION_BITS), and from there on the
-// arithmetic is integer: the sum depends on the set of samples alone. See docs/decisions/ for the widths.
+// arithmetic is integer: the sum depends on the set of samples alone. docs/decisions/film.md derives the widths.
 #ifndef OCLAIR_FILM_H
 #define OCLAIR_FILM_H
 

@@ -112,8 +112,7 @@ INLINE LightSample light_sample_quadric(const Scene *scene, const Light *light, 
   }
   float3 q = quadric_sample(&quadric, u);
   float3 offset = quadric_to_world(&quadric, q);
-  float3 error = 16.0f * 0x1p-24f * (fabs(center) + length(offset));
-  return light_from_area(light, quadric.area, from, center + offset, error, quadric_normal(&quadric, q));
+  return light_from_area(light, quadric.area, from, center + offset, quadric_error(center, offset), quadric_normal(&quadric, q));
 }
 
 INLINE LightSample light_sample_triangle(const Light *light, float3 from, float2 u) {

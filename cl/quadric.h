@@ -5,6 +5,8 @@
 #include "features.h"
 #include "vector.h"
 
+#define HAS_QUADRICS (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS))
+
 INLINE float3 quadric_to_local(const Quadric *quadric, float3 v) {
   return (float3)(dot(unpack3(quadric->axis_x), v), dot(unpack3(quadric->axis_y), v), dot(unpack3(quadric->axis_z), v));
 }
@@ -68,6 +70,10 @@ INLINE float3 quadric_project(const Quadric *quadric, float3 q) {
   if (HAS(CYLINDERS) && quadric->kind == QUADRIC_CYLINDER) return (float3)(normalize(q.xy), q.z);
   return normalize(q);
 }
+
+// Error bound of center + offset, a point of the quadric: projection and the map to the world take fewer than 16 roundings of the
+// offset's length, the sum one of the centre.
+INLINE float3 quadric_error(float3 center, float3 offset) { return 16.0f * 0x1p-24f * (fabs(center) + length(offset)); }
 
 // Unit normal on the front side at the local point q: normals go with the transposed map.
 INLINE float3 quadric_normal(const Quadric *quadric, float3 q) {

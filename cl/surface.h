@@ -64,8 +64,7 @@ INLINE Surface surface_on_quadric(const Scene *scene, const Ray *ray, Hit hit) {
   q = quadric_project(&quadric, q);
   float3 offset = quadric_to_world(&quadric, q);
   s.position = center + offset;
-  // Projection and the map to the world take fewer than 16 roundings of the offset's length, the sum one of the centre.
-  s.error = 16.0f * 0x1p-24f * (fabs(center) + length(offset));
+  s.error = quadric_error(center, offset);
   s.geometric = quadric_normal(&quadric, q);
   s.frame.z = s.geometric;
   s.shape = quadric.shape;
@@ -75,7 +74,7 @@ INLINE Surface surface_on_quadric(const Scene *scene, const Ray *ray, Hit hit) {
 // The hit of a ray, its normals turned to the side that the ray comes from. Where the interpolated normal faces away from the ray, the
 // geometric one takes its place (the silhouettes of coarse meshes).
 INLINE Surface surface_from_hit(const Scene *scene, const Ray *ray, Hit hit) {
-  bool has_quadrics = HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS);
+  bool has_quadrics = HAS_QUADRICS;
   bool on_quadric = has_quadrics && (!HAS(TRIANGLES) || (hit.primitive & QUADRIC_BIT) != 0u);
   Surface s;
   if (on_quadric) s = surface_on_quadric(scene, ray, hit);

@@ -104,7 +104,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
           }
         }
       }
-      if ((HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS)) && count == 0u) {
+      if (HAS_QUADRICS && count == 0u) {
         Quadric quadric = scene->quadrics[first];
         uint primitive = QUADRIC_BIT | first;
         float t = quadric_intersect(&quadric, unpack3(ray->origin), unpack3(ray->direction), hit->t, primitive == ray->skip,

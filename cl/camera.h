@@ -1,9 +1,10 @@
-// The pinhole camera.
+// The cameras: pinhole, thin lens and orthographic.
 #ifndef OCLAIR_CAMERA_H
 #define OCLAIR_CAMERA_H
 
 #include "filter.h"
 #include "rng.h"
+#include "warp.h"
 
 // Moves a ray's origin forward to the box [-1, 1]^3 that holds the scene, if it lies outside: the conservative box test and the
 // triangle test then work on coordinates below 1 + 2^-15, however far away the camera is. The way is computed to 3 u of its length:
@@ -23,14 +24,25 @@ INLINE void camera_enter_scene(Ray *ray) {
   ray->origin = pack3(o);
 }
 
-// Ray through film position (x, y) in pixels, between the clip planes.
-INLINE Ray camera_ray(const Camera *camera, float x, float y) {
+// Ray through film position (x, y) in pixels, between the clip planes. lens: where on the lens, in [0, 1)^2. All rays through the
+// lens that belong to one film position meet in the plane of focus.
+INLINE Ray camera_ray(const Camera *camera, float x, float y, float2 lens) {
   float3 along = unpack3(camera->corner) + x * unpack3(camera->step_x) + y * unpack3(camera->step_y);
+  float3 origin = unpack3(camera->origin);
+  if (HAS(ORTHOGRAPHIC) && camera->orthographic) {
+    origin += along;
+    along = unpack3(camera->axis);
+  } else if (HAS(THIN_LENS) && camera->aperture_radius > 0.0f) {
+    float2 p = camera->aperture_radius * warp_disk(lens);
+    float3 on_lens = normalize(unpack3(camera->step_x)) * p.x + normalize(unpack3(camera->step_y)) * p.y;
+    origin += on_lens;
+    along -= on_lens / camera->focus_distance;
+  }
   float stretch = length(along);  // per unit of depth
   float3 d = along / stretch;
   Ray ray;
   ray.direction = pack3(d);
-  ray.origin = pack3(fma(d, (float3)(camera->near_clip * stretch), unpack3(camera->origin)));
+  ray.origin = pack3(fma(d, (float3)(camera->near_clip * stretch), origin));
   ray.t_max = fmin((camera->far_clip - camera->near_clip) * stretch, INFINITE_DISTANCE);
   ray.skip = NONE;
   ray.target = NONE;
@@ -53,7 +65,8 @@ INLINE Ray camera_sample(const Scene *scene, uint x, uint y, ulong key) {
   float2 offset = (float2)(filter_sample(scene->filter, settings->filter_count, radius, low.x, high.x, u.x),
                            filter_sample(scene->filter, settings->filter_count, radius, low.y, high.y, u.y));
   Camera camera = *scene->camera;
-  return camera_ray(&camera, center.x + offset.x, center.y + offset.y);
+  float2 lens = HAS(THIN_LENS) ? rng_2d(key, DIMENSION_LENS) : (float2)(0.0f);
+  return camera_ray(&camera, center.x + offset.x, center.y + offset.y, lens);
 }
 
 #endif

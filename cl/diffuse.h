@@ -1,4 +1,5 @@
-// Lambert diffuse reflection: f = albedo / pi. Local frame, wo.z > 0.
+// Diffuse reflection: Lambert, and what the other diffuse models share with it. Each is a factor pi f, which is the albedo for
+// Lambert, under cosine-weighted sampling. Local frame, wo.z > 0.
 #ifndef OCLAIR_DIFFUSE_H
 #define OCLAIR_DIFFUSE_H
 
@@ -7,19 +8,21 @@
 
 INLINE float diffuse_pdf(float3 wi) { return warp_cosine_hemisphere_pdf(wi.z); }
 
-// f times the cosine of wi.
-INLINE float3 diffuse_eval(const Material *material, float3 wi) {
-  return unpack3(material->reflectance) * warp_cosine_hemisphere_pdf(wi.z);
-}
+// f times the cosine of wi, of a model whose factor pi f at wi is given.
+INLINE float3 diffuse_eval(float3 factor, float3 wi) { return factor * warp_cosine_hemisphere_pdf(wi.z); }
 
-// The cosine and pi cancel against the density: the weight is the albedo, and no division can fail.
-INLINE Scatter diffuse_sample(const Material *material, float2 u) {
+// A direction; the weight is the factor there, which the caller puts in: the cosine and pi cancel against the density, and no
+// division can fail.
+INLINE Scatter diffuse_sample(float2 u) {
   Scatter s;
   s.wi = warp_cosine_hemisphere(u);
-  s.weight = unpack3(material->reflectance);
+  s.weight = (float3)(1.0f);
   s.pdf = diffuse_pdf(s.wi);
   s.eta = 1.0f;
   return s;
 }
+
+// pi f of a Lambert surface.
+INLINE float3 lambert_factor(const Material *material) { return unpack3(material->reflectance); }
 
 #endif

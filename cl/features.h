@@ -1,40 +1,91 @@
-// What a scene can require. The host sets one bit for each thing that the scene has, and compiles the kernels with
-// -DFEATURES=<bits>; kernels ask `if (HAS(DIELECTRIC) && ...)`, so that all code is always type-checked and the compiler
-// removes what is off. The list stands once, here: name, bit, what `oclair info` says.
+// What a scene can require, and which approximations a user can ask for.
 #ifndef OCLAIR_FEATURES_H
 #define OCLAIR_FEATURES_H
 
+#include "types.h"
+
+// The host sets one bit for each thing that the scene has, and compiles the kernels with -DFEATURES=<bits>; kernels ask
+// `if (HAS(DIELECTRIC) && ...)`, so that all code is always type-checked and the compiler removes what is off. A kernel with more
+// features than the scene has gives the same image. The list stands once, here: name, bit, what `oclair info` says.
 #define FEATURE_LIST(X)                                                      \
   X(DIFFUSE, 0, "Lambert diffuse reflection")                                \
-  X(MIRROR, 1, "perfect mirror")                                             \
-  X(CONDUCTOR, 2, "smooth conductor, exact Fresnel")                         \
-  X(DIELECTRIC, 3, "smooth dielectric, exact Fresnel")                       \
-  X(TRIANGLES, 4, "triangle meshes")                                         \
-  X(SMOOTH_NORMALS, 5, "interpolated vertex normals")                        \
-  X(SPHERES, 6, "true spheres")                                              \
-  X(DISKS, 7, "true disks")                                                  \
-  X(CYLINDERS, 8, "true cylinders")                                          \
-  X(TRIANGLE_LIGHTS, 9, "area lights made of triangles")                     \
-  X(QUADRIC_LIGHTS, 10, "area lights on spheres, disks or cylinders")        \
-  X(POINT_LIGHTS, 11, "point lights")                                        \
-  X(DIRECTIONAL_LIGHTS, 12, "directional lights")                            \
-  X(CONSTANT_LIGHT, 13, "constant light from around")                        \
-  X(MOMENTS, 14, "second moments of every pixel")
+  X(OREN_NAYAR, 1, "Oren-Nayar diffuse reflection, the full model")          \
+  X(OREN_NAYAR_FAST, 2, "Oren-Nayar diffuse reflection, the qualitative model") \
+  X(DISNEY, 3, "Disney diffuse reflection")                                  \
+  X(MIRROR, 4, "perfect mirror")                                             \
+  X(CONDUCTOR, 5, "smooth conductor")                                        \
+  X(DIELECTRIC, 6, "smooth dielectric")                                      \
+  X(THIN_DIELECTRIC, 7, "thin dielectric sheet")                             \
+  X(BLEND, 8, "blends of two materials")                                     \
+  X(OPACITY, 9, "surfaces that let light straight through")                  \
+  X(BITMAPS, 10, "textures from images")                                     \
+  X(CHECKERBOARDS, 11, "checkerboard textures")                              \
+  X(ATTRIBUTES, 12, "textures from attributes of vertices or faces")         \
+  X(NORMAL_MAPS, 13, "normal maps")                                          \
+  X(BUMP_MAPS, 14, "bump maps")                                              \
+  X(TRIANGLES, 15, "triangle meshes")                                        \
+  X(SMOOTH_NORMALS, 16, "interpolated vertex normals")                       \
+  X(SPHERES, 17, "true spheres")                                             \
+  X(DISKS, 18, "true disks")                                                 \
+  X(CYLINDERS, 19, "true cylinders")                                         \
+  X(TRIANGLE_LIGHTS, 20, "area lights made of triangles")                    \
+  X(QUADRIC_LIGHTS, 21, "area lights on spheres, disks or cylinders")        \
+  X(TEXTURED_LIGHTS, 22, "area lights with a texture")                       \
+  X(POINT_LIGHTS, 23, "point lights")                                        \
+  X(SPOT_LIGHTS, 24, "spot lights")                                          \
+  X(DIRECTIONAL_LIGHTS, 25, "directional lights")                            \
+  X(CONSTANT_LIGHT, 26, "constant light from around")                        \
+  X(ENVIRONMENT_MAP, 27, "an image of the light from around")                \
+  X(THIN_LENS, 28, "camera with a lens")                                     \
+  X(ORTHOGRAPHIC, 29, "orthographic camera")                                 \
+  X(MOMENTS, 30, "second moments of every pixel")
 
-enum Feature {
-#define FEATURE_BIT(name, bit, description) FEATURE_##name = 1 << bit,
-  FEATURE_LIST(FEATURE_BIT)
-#undef FEATURE_BIT
+// What a user may ask for at the price of accuracy (-DAPPROXIMATIONS=<bits>): name, bit, how the image's header calls it.
+#define APPROXIMATION_LIST(X) X(SCHLICK, 0, "fresnel=schlick")
+
+#define LISTED_BIT(name, bit, description) | (1ul << (bit))
+#define ALL_FEATURES (0ul FEATURE_LIST(LISTED_BIT))
+#define ALL_APPROXIMATIONS (0ul APPROXIMATION_LIST(LISTED_BIT))
+
+#ifdef __cplusplus
+namespace oclair {
+using Features = ulong;        // FEATURE_ bits
+using Approximations = ulong;  // APPROXIMATION_ bits
+#define DECLARE_FEATURE(name, bit, description) inline constexpr Features FEATURE_##name = Features{1} << (bit);
+FEATURE_LIST(DECLARE_FEATURE)
+#undef DECLARE_FEATURE
+#define DECLARE_APPROXIMATION(name, bit, description) \
+  inline constexpr Approximations APPROXIMATION_##name = Approximations{1} << (bit);
+APPROXIMATION_LIST(DECLARE_APPROXIMATION)
+#undef DECLARE_APPROXIMATION
+}  // namespace oclair
+#else
+enum {
+#define FEATURE_NUMBER(name, bit, description) FEATURE_BIT_##name = bit,
+  FEATURE_LIST(FEATURE_NUMBER)
+#undef FEATURE_NUMBER
+#define APPROXIMATION_NUMBER(name, bit, description) APPROXIMATION_BIT_##name = bit,
+  APPROXIMATION_LIST(APPROXIMATION_NUMBER)
+#undef APPROXIMATION_NUMBER
 };
-
-#define FEATURE_TERM(name, bit, description) | FEATURE_##name
-#define ALL_FEATURES (0 FEATURE_LIST(FEATURE_TERM))
-
-#ifndef __cplusplus
 #ifndef FEATURES
 #define FEATURES ALL_FEATURES
 #endif
-#define HAS(name) ((FEATURES & FEATURE_##name) != 0)
+#ifndef APPROXIMATIONS
+#define APPROXIMATIONS 0
+#endif
+#define HAS(name) (((ulong)(FEATURES) >> FEATURE_BIT_##name & 1ul) != 0ul)
+#define APPROXIMATES(name) (((ulong)(APPROXIMATIONS) >> APPROXIMATION_BIT_##name & 1ul) != 0ul)
+
+// Groups of features that are asked for together.
+#define HAS_QUADRICS (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS))
+#define HAS_TEXTURES (HAS(BITMAPS) || HAS(CHECKERBOARDS) || HAS(ATTRIBUTES))
+#define HAS_TANGENTS (HAS(NORMAL_MAPS) || HAS(BUMP_MAPS))
+#define HAS_DELTAS (HAS(MIRROR) || HAS(CONDUCTOR) || HAS(DIELECTRIC) || HAS(THIN_DIELECTRIC))
+#define HAS_NON_DELTAS (HAS(DIFFUSE) || HAS(OREN_NAYAR) || HAS(OREN_NAYAR_FAST) || HAS(DISNEY))
+#define HAS_AREA_LIGHTS (HAS(TRIANGLE_LIGHTS) || HAS(QUADRIC_LIGHTS))
+#define HAS_ENVIRONMENT (HAS(CONSTANT_LIGHT) || HAS(ENVIRONMENT_MAP))
+#define HAS_LIGHTS (HAS_AREA_LIGHTS || HAS(POINT_LIGHTS) || HAS(SPOT_LIGHTS) || HAS(DIRECTIONAL_LIGHTS) || HAS_ENVIRONMENT)
 #endif
 
 #endif

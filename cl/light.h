@@ -2,9 +2,9 @@
 #ifndef OCLAIR_LIGHT_H
 #define OCLAIR_LIGHT_H
 
+#include "environment.h"
 #include "mis.h"
 #include "surface.h"
-#include "warp.h"
 
 // A light as seen from a point.
 typedef struct LightSample {
@@ -15,18 +15,39 @@ typedef struct LightSample {
   uint primitive;      // on which the shadow ray ends, or NONE
 } LightSample;
 
-#define HAS_AREA_LIGHTS (HAS(TRIANGLE_LIGHTS) || HAS(QUADRIC_LIGHTS))
-#define HAS_LIGHTS (HAS_AREA_LIGHTS || HAS(POINT_LIGHTS) || HAS(DIRECTIONAL_LIGHTS) || HAS(CONSTANT_LIGHT))
 
-// First i with bits < cdf[i]: never a light of zero width. The last entry counts as 2^32.
-INLINE uint light_select(__global const uint *cdf, uint count, uint bits) {
-  uint low = 0, high = count - 1;
-  while (low < high) {
-    uint middle = low + (high - low) / 2;
-    if (bits < cdf[middle]) high = middle;
-    else low = middle + 1;
-  }
-  return low;
+// A triangle with a textured radiance is split into n^2 equal triangles, each a light of its own with its own power. Part
+// p = r^2 + j lies in row r (between b1 + b2 = r/n and (r + 1)/n), j-th along it; even ones are copies of the triangle, odd ones are
+// turned round.
+typedef struct LightPart {
+  float b1, b2;  // barycentric coordinates of its vertex 0
+  float size;    // its edges over those of the triangle: 1/n, or -1/n if it is turned round
+} LightPart;
+
+INLINE LightPart light_part(uint part, uint split) {
+  uint row = (uint)sqrt((float)part);  // exact: part < 2^24
+  uint j = part - row * row, k = j / 2u;
+  uint turned = j & 1u;
+  LightPart p;
+  p.size = (turned ? -1.0f : 1.0f) / split;
+  p.b1 = (float)(row - k) / split;            // upright: corner (row - k, k); turned: (row - k, k + 1), the far one
+  p.b2 = (float)(k + turned) / split;
+  return p;
+}
+
+// The part in which (b1, b2) lies.
+INLINE uint light_part_at(float b1, float b2, uint split) {
+  float x = fmax(b1, 0.0f) * split, y = fmax(b2, 0.0f) * split;
+  uint i = min((uint)x, split - 1u), k = min((uint)y, split - 1u - i);
+  uint turned = (x - i) + (y - k) >= 1.0f && i + k + 1u < split;
+  uint row = i + k + turned;
+  return row * row + 2u * k + turned;
+}
+
+// What an area light sends from the point where it is asked.
+INLINE float3 light_radiance(const Scene *scene, const Light *light, const TexturePoint *at) {
+  if (!HAS(TEXTURED_LIGHTS) || light->texture == 0u) return unpack3(light->radiance);
+  return fmax(texture_eval(scene, light->texture, at), 0.0f);
 }
 
 // Solid-angle density of an area density: pdf_area d^2 / cos. 0 where the surface is seen from behind or edge-on.
@@ -77,7 +98,7 @@ INLINE float3 quadric_sample(const Quadric *quadric, float2 u) {
 }
 
 // Ends a light sample at a point of an area light that was chosen by area.
-INLINE LightSample light_from_area(const Light *light, float area, float3 from, float3 point, float3 error, float3 normal) {
+INLINE LightSample light_from_area(const Light *light, float3 radiance, float area, float3 from, float3 point, float3 error, float3 normal) {
   LightSample s;
   float3 d = point - from;
   float distance2 = dot(d, d);
@@ -86,7 +107,7 @@ INLINE LightSample light_from_area(const Light *light, float area, float3 from, 
   float cosine = -dot(normal, s.direction);
   // In the area form nothing is divided by the cosine, which may be 0.
   bool seen = cosine > 0.0f && distance2 > 0.0f;
-  s.weight = seen ? unpack3(light->radiance) * (cosine * area / (distance2 * light->probability)) : (float3)(0.0f);
+  s.weight = seen ? radiance * (cosine * area / (distance2 * light->probability)) : (float3)(0.0f);
   s.pdf = seen ? light_pdf_from_area(light->probability / area, distance2, cosine) : 0.0f;
   s.distance = length(surface_offset(point, error, normal, -s.direction) - from);
   return s;
@@ -107,25 +128,48 @@ INLINE LightSample light_sample_quadric(const Scene *scene, const Light *light, 
     s.distance = cone.z * sqrt(distance2) - sqrt(fmax(0.0f, radius2 - distance2 * sin2));
     s.primitive = light->primitive;
     s.pdf = light->probability * warp_cone_pdf(one_minus_cos);
-    s.weight = quadric.flip > 0.0f ? unpack3(light->radiance) / s.pdf : (float3)(0.0f);
+    float3 radiance = unpack3(light->radiance);
+    if (HAS(TEXTURED_LIGHTS) && light->texture != 0u) {
+      TexturePoint at = texture_point_on_quadric(
+          &quadric, quadric_project(&quadric, quadric_to_local(&quadric, s.direction * s.distance + (from - center))));
+      radiance = light_radiance(scene, light, &at);
+    }
+    s.weight = quadric.flip > 0.0f ? radiance / s.pdf : (float3)(0.0f);
     return s;
   }
   float3 q = quadric_sample(&quadric, u);
   float3 offset = quadric_to_world(&quadric, q);
-  return light_from_area(light, quadric.area, from, center + offset, quadric_error(center, offset), quadric_normal(&quadric, q));
+  TexturePoint at = texture_point_on_quadric(&quadric, q);
+  return light_from_area(light, light_radiance(scene, light, &at), quadric.area, from, center + offset, quadric_error(center, offset), quadric_normal(&quadric, q));
 }
 
-INLINE LightSample light_sample_triangle(const Light *light, float3 from, float2 u) {
+INLINE LightSample light_sample_triangle(const Scene *scene, const Light *light, float3 from, float2 u) {
   float2 b = warp_triangle(u);
   float3 v0 = unpack3(light->position), e1 = unpack3(light->edge1), e2 = unpack3(light->edge2);
   float3 point = v0 + b.x * e1 + b.y * e2;
   float3 error = triangle_error(fabs(v0) + fabs(b.x * e1) + fabs(b.y * e2));
-  return light_from_area(light, light->area, from, point, error, triangle_normal(e1, e2));
+  float3 radiance = unpack3(light->radiance);
+  if (HAS(TEXTURED_LIGHTS) && light->texture != 0u) {
+    LightPart part = light_part(light->part, light->split);
+    Shape shape = scene->shapes[scene->triangle_shape[light->primitive]];
+    TexturePoint at = texture_point_on_triangle(scene, &shape, light->primitive, part.b1 + part.size * b.x, part.b2 + part.size * b.y);
+    radiance = light_radiance(scene, light, &at);
+  }
+  return light_from_area(light, radiance, light->area, from, point, error, triangle_normal(e1, e2));
+}
+
+// Share of its intensity that a spot light sends at an angle from its axis with that cosine: all of it within the beam, then
+// falling linearly with the angle to 0 at the cutoff (as in Mitsuba 3).
+INLINE float spot_falloff(const Light *light, float cosine) {
+  float cutoff = light->edge2.x, beam = light->edge2.y;
+  float angle = acos(clamp(cosine, -1.0f, 1.0f));
+  if (angle <= beam) return 1.0f;
+  return angle < cutoff ? (cutoff - angle) / (cutoff - beam) : 0.0f;
 }
 
 // Samples the light towards the point `from`. u in [0,1)^2.
 INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 from, float2 u) {
-  if (HAS(TRIANGLE_LIGHTS) && light->kind == LIGHT_TRIANGLE) return light_sample_triangle(light, from, u);
+  if (HAS(TRIANGLE_LIGHTS) && light->kind == LIGHT_TRIANGLE) return light_sample_triangle(scene, light, from, u);
   if (HAS(QUADRIC_LIGHTS) && light->kind == LIGHT_QUADRIC) return light_sample_quadric(scene, light, from, u);
   LightSample s;
   s.primitive = NONE;
@@ -133,18 +177,26 @@ INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 f
   s.pdf = 0.0f;
   s.weight = unpack3(light->radiance) / light->probability;
   s.direction = HAS(DIRECTIONAL_LIGHTS) ? -unpack3(light->position) : (float3)(0.0f, 0.0f, 1.0f);
-  if (HAS(POINT_LIGHTS) && light->kind == LIGHT_POINT) {
+  bool point = HAS(POINT_LIGHTS) && light->kind == LIGHT_POINT, spot = HAS(SPOT_LIGHTS) && light->kind == LIGHT_SPOT;
+  if (point || spot) {
     float3 d = unpack3(light->position) - from;
     float distance2 = dot(d, d);
     bool apart = distance2 > 0.0f;
     s.distance = sqrt(distance2);
     s.direction = apart ? d / s.distance : (float3)(0.0f, 0.0f, 1.0f);
     s.weight = apart ? s.weight / distance2 : (float3)(0.0f);
+    if (spot) s.weight *= spot_falloff(light, -dot(s.direction, unpack3(light->edge1)));
   }
   if (HAS(CONSTANT_LIGHT) && light->kind == LIGHT_CONSTANT) {
     s.direction = warp_sphere(u);
     s.weight /= warp_sphere_pdf();
     s.pdf = light->probability * warp_sphere_pdf();
+  }
+  if (HAS(ENVIRONMENT_MAP) && light->kind == LIGHT_ENVIRONMENT) {
+    float pdf;
+    s.direction = environment_sample(scene, u, &pdf);
+    s.pdf = light->probability * pdf;
+    s.weight = environment_radiance(scene, s.direction) / s.pdf;
   }
   return s;
 }

@@ -8,6 +8,8 @@
 #include "camera.h"
 #include "film.h"
 #include "light.h"
+#include "material.h"
+#include "normal_map.h"
 #include "traverse.h"
 
 #define HARD_DEPTH 4096u  // no path is longer: light trapped in a lossless box ends here (docs/kernels.md)
@@ -21,9 +23,12 @@ INLINE PathState path_begin(const Scene *scene, uint x, uint y, ulong key) {
   path.ray = camera_sample(scene, x, y, key);
   path.throughput = pack3((float3)(1.0f));
   path.radiance = pack3((float3)(0.0f));
+  path.origin = path.ray.origin;
+  path.travelled = 0.0f;
   path.eta = 1.0f;
   path.pdf = 0.0f;
   path.depth = 0;
+  path.passes = 0;
   path.hit_anything = 0;
   path.alive = scene->settings->max_depth > 0u;
   return path;
@@ -38,37 +43,61 @@ INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) 
 INLINE void path_escape(const Scene *scene, PathState *path) {
   __global const Settings *settings = scene->settings;
   path->alive = 0;
-  bool lit = HAS(CONSTANT_LIGHT) && settings->environment_probability > 0.0f;  // the kernel may know more than the scene has
+  bool known = HAS_ENVIRONMENT;
+  bool lit = known && settings->environment_probability > 0.0f;  // the kernel may know more than the scene has
   if (!lit || (settings->hide_emitters && path->depth == 0u)) return;
   path->hit_anything |= path->depth == 0u;
-  path_add_emission(path, unpack3(settings->environment), settings->environment_probability * warp_sphere_pdf());
+  float3 radiance = unpack3(settings->environment);
+  float pdf = warp_sphere_pdf();
+  if (HAS(ENVIRONMENT_MAP) && settings->environment_texture != 0u) {
+    float3 d = unpack3(path->ray.direction);
+    radiance = environment_radiance(scene, d);
+    pdf = path->pdf > 0.0f ? environment_pdf(scene, d) : 0.0f;
+  }
+  path_add_emission(path, radiance, settings->environment_probability * pdf);
 }
 
 INLINE void path_emission(const Scene *scene, PathState *path, Hit hit, const Surface *surface, Shape shape) {
   if (!HAS_AREA_LIGHTS || shape.first_light == NONE || !surface->front) return;
-  uint index = shape.first_light + ((hit.primitive & QUADRIC_BIT) ? 0u : hit.primitive - shape.first_triangle);
+  uint index = shape.first_light;
+  if (!(hit.primitive & QUADRIC_BIT)) {
+    index += (hit.primitive - shape.first_triangle) * shape.light_split * shape.light_split;
+    if (HAS(TEXTURED_LIGHTS)) index += light_part_at(hit.b1, hit.b2, shape.light_split);
+  }
   Light light = scene->lights[index];
   float cosine = dot(surface->geometric, -unpack3(path->ray.direction));
-  float pdf = path->pdf > 0.0f ? light_pdf(scene, &light, unpack3(path->ray.origin), hit.t, cosine) : 0.0f;
-  path_add_emission(path, unpack3(light.radiance), pdf);
+  float pdf = path->pdf > 0.0f ? light_pdf(scene, &light, unpack3(path->origin), path->travelled + hit.t, cosine) : 0.0f;
+  path_add_emission(path, light_radiance(scene, &light, &surface->at), pdf);
 }
 
-// A camera ray goes on behind a shape that emits, as if it were not there: hide_emitters.
+// The ray goes on behind what it hit, as if that were not there.
+INLINE void path_pass(Ray *ray, Hit hit, const Surface *surface) {
+  ray->origin = pack3(surface_offset(surface->position, surface->error, surface->geometric, unpack3(ray->direction)));
+  ray->t_max -= hit.t;
+  ray->skip = hit.primitive;
+}
+
 INLINE void path_pass_through(PathState *path, Hit hit, const Surface *surface) {
-  path->ray.origin =
-      pack3(surface_offset(surface->position, surface->error, surface->geometric, unpack3(path->ray.direction)));
-  path->ray.t_max -= hit.t;
-  path->ray.skip = hit.primitive;
+  path_pass(&path->ray, hit, surface);
+  path->travelled += hit.t;
+  path->passes += 1u;
+  if (path->passes >= HARD_DEPTH) path->alive = 0;
+}
+
+// Random bits of a surface that the path's segment meets: which material of a blend, and whether it lets the path through. They
+// depend on the primitive, so that surfaces one behind the other decide independently, for the path and for its shadow ray.
+INLINE ulong path_surface_bits(ulong key, uint depth, uint primitive) {
+  return rng_mix(rng_bits(key, dimension_of_vertex(depth, DIMENSION_MATERIAL)) + (primitive + 1ul) * RNG_GOLDEN);
 }
 
 // Next-event estimation: the shadow ray to a point of a light chosen by power.
 INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, const Surface *surface, uint primitive,
-                                 const Material *material, ulong key) {
+                                 const Material *material, float3 wo, ulong key) {
   ShadowRay shadow;
   shadow.contribution = pack3((float3)(0.0f));
   __global const Settings *settings = scene->settings;
   if (!HAS_LIGHTS || settings->light_count == 0u) return shadow;
-  uint which = light_select(scene->light_cdf, settings->light_count,
+  uint which = distribution_select(scene->light_cdf, settings->light_count,
                             (uint)(rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT)) >> 32));
   Light light = scene->lights[which];
   // The very point from which a scattered ray on this side starts: both strategies then see the light from the same place.
@@ -78,12 +107,13 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
   float3 wi = frame_to_local(surface->frame, sample.direction);
   if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
   float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
-  shadow.contribution = pack3(unpack3(path->throughput) * bsdf_eval(material, wi) * sample.weight * weight);
+  shadow.contribution = pack3(unpack3(path->throughput) * bsdf_eval(material, wo, wi) * sample.weight * weight);
   shadow.ray.origin = pack3(origin);
   shadow.ray.direction = pack3(sample.direction);
   shadow.ray.t_max = sample.distance;
   shadow.ray.skip = primitive;
   shadow.ray.target = sample.primitive;
+  shadow.depth = path->depth;
   return shadow;
 }
 
@@ -106,6 +136,8 @@ INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *sur
   path->ray.direction = pack3(wi);
   path->ray.t_max = INFINITE_DISTANCE;
   path->ray.skip = primitive;
+  path->origin = path->ray.origin;
+  path->travelled = 0.0f;
   path->depth += 1;
 
   // Russian roulette by the throughput, without the radiance scaling of the media that the path is in. Never by radiance: then
@@ -133,17 +165,26 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
     path_pass_through(path, hit, &surface);
     return none;
   }
-  path->hit_anything |= path->depth == 0u;
   path_emission(scene, path, hit, &surface, shape);
 
   uint material_index = surface.front ? shape.material_front : shape.material_back;
+  if (material_index != NONE) {
+    ulong bits = path_surface_bits(key, path->depth, hit.primitive);
+    material_index = material_select(scene, material_index, &surface.at, (uint)(bits >> 32));
+    if (HAS(OPACITY) && rng_unit((uint)bits) < material_transparency(scene, material_index, &surface.at)) {
+      path_pass_through(path, hit, &surface);
+      return none;
+    }
+  }
+  path->hit_anything |= path->depth == 0u;
   if (material_index == NONE || path->depth + 1u >= min(scene->settings->max_depth, HARD_DEPTH)) {
     path->alive = 0;
     return none;
   }
-  Material material = scene->materials[material_index];
+  Material material = material_at(scene, material_index, &surface.at);
+  if (HAS_TANGENTS) surface.frame = normal_map_frame(scene, &material, &surface, -unpack3(path->ray.direction));
   float3 wo = frame_to_local(surface.frame, -unpack3(path->ray.direction));
-  ShadowRay shadow = bsdf_is_delta(&material) ? none : path_shadow_ray(scene, path, &surface, hit.primitive, &material, key);
+  ShadowRay shadow = bsdf_is_delta(&material) ? none : path_shadow_ray(scene, path, &surface, hit.primitive, &material, wo, key);
   path_scatter(scene, path, &surface, hit.primitive, &material, wo, key);
   return shadow;
 }
@@ -152,8 +193,29 @@ INLINE bool path_has_shadow_ray(const ShadowRay *shadow) {
   return shadow->contribution.x > 0.0f || shadow->contribution.y > 0.0f || shadow->contribution.z > 0.0f;
 }
 
-INLINE void path_add_light(PathState *path, const ShadowRay *shadow) {
-  path->radiance = pack3(unpack3(path->radiance) + unpack3(shadow->contribution));
+INLINE void path_add_light(PathState *path, const ShadowRay *shadow, float visibility) {
+  path->radiance = pack3(unpack3(path->radiance) + unpack3(shadow->contribution) * visibility);
+}
+
+// Share of the light of a shadow ray that arrives.
+INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong key) {
+  if (!HAS(OPACITY)) return traverse_any(scene, &shadow->ray) ? 0.0f : 1.0f;
+  Ray ray = shadow->ray;
+  float share = 1.0f;
+  for (uint passes = 0; passes < HARD_DEPTH; ++passes) {
+    if (!traverse_any(scene, &ray)) return share;
+    Hit hit = traverse_closest(scene, &ray);
+    if (hit.primitive == NONE) return share;
+    Surface surface = surface_from_hit(scene, &ray, hit);
+    Shape shape = scene->shapes[surface.shape];
+    uint index = surface.front ? shape.material_front : shape.material_back;
+    if (index == NONE) return 0.0f;
+    index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(key, shadow->depth, hit.primitive) >> 32));
+    share *= material_transparency(scene, index, &surface.at);
+    if (!(share > 0.0f)) return 0.0f;
+    path_pass(&ray, hit, &surface);
+  }
+  return 0.0f;
 }
 
 // A whole path: radiance along the camera ray of one sample.
@@ -162,7 +224,7 @@ INLINE PathState path_trace(const Scene *scene, uint x, uint y, ulong key) {
   while (path.alive) {
     Hit hit = traverse_closest(scene, &path.ray);
     ShadowRay shadow = path_shade(scene, &path, hit, key);
-    if (path_has_shadow_ray(&shadow) && !traverse_any(scene, &shadow.ray)) path_add_light(&path, &shadow);
+    if (path_has_shadow_ray(&shadow)) path_add_light(&path, &shadow, path_visibility(scene, &shadow, key));
   }
   return path;
 }

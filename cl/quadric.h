@@ -5,8 +5,6 @@
 #include "features.h"
 #include "vector.h"
 
-#define HAS_QUADRICS (HAS(SPHERES) || HAS(DISKS) || HAS(CYLINDERS))
-
 INLINE float3 quadric_to_local(const Quadric *quadric, float3 v) {
   return (float3)(dot(unpack3(quadric->axis_x), v), dot(unpack3(quadric->axis_y), v), dot(unpack3(quadric->axis_z), v));
 }

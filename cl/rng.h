@@ -11,11 +11,13 @@
 // Dimensions of a path. The numbering does not depend on features: a specialised and a full kernel draw the same numbers.
 enum {
   DIMENSION_FILM = 0,         // x: film x, y: film y
-  DIMENSION_VERTEX = 1,       // first dimension of the first vertex
+  DIMENSION_LENS = 1,
+  DIMENSION_VERTEX = 2,       // first dimension of the first vertex
   DIMENSION_LIGHT = 0,        // x: which light, y: Russian roulette
   DIMENSION_LIGHT_POINT = 1,  // where on the light
   DIMENSION_SCATTER = 2,      // scattering direction; dielectric, x: reflect or refract
-  DIMENSIONS_PER_VERTEX = 3
+  DIMENSION_MATERIAL = 3,     // which material of a blend, whether a surface lets the path through
+  DIMENSIONS_PER_VERTEX = 4
 };
 
 INLINE ulong rng_mix(ulong z) {

@@ -38,12 +38,13 @@ STAGE shade(SCENE_ARGUMENTS, __global PathState *paths, __global const Hit *hits
   paths[get_global_id(0)] = path;
 }
 
-STAGE shadow_rays(SCENE_ARGUMENTS, __global PathState *paths, __global const ShadowRay *shadows) {
+STAGE shadow_rays(SCENE_ARGUMENTS, __global PathState *paths, __global const ShadowRay *shadows, uint base, ulong sample) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
+  const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
   ShadowRay shadow = shadows[get_global_id(0)];
-  if (!path_has_shadow_ray(&shadow) || traverse_any(&scene, &shadow.ray)) return;
+  if (!path_has_shadow_ray(&shadow)) return;
   PathState path = paths[get_global_id(0)];
-  path_add_light(&path, &shadow);
+  path_add_light(&path, &shadow, path_visibility(&scene, &shadow, key_of(settings, pixel, sample)));
   paths[get_global_id(0)] = path;
 }
 

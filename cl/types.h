@@ -55,8 +55,10 @@ typedef struct Shape {
   uint material_front;  // on the side that the geometric normal points to; NONE absorbs everything
   uint material_back;
   uint first_light;     // light of its first triangle, or of the quadric; NONE: does not emit
+  uint light_split;     // each of its triangles is light_split^2 lights, see light.h; 1 unless its radiance is textured
   uint first_triangle;  // lights of one mesh lie in the order of its triangles
-  uint smooth;          // 1: the shading normal is interpolated from vertex normals
+  uint first_normal;    // normal of its vertex 0; NONE: flat
+  uint first_uv;        // texture coordinates of its vertex 0; NONE: has none, or nothing asks for them
 } Shape;
 
 enum QuadricKind { QUADRIC_SPHERE, QUADRIC_DISK, QUADRIC_CYLINDER };
@@ -74,43 +76,100 @@ typedef struct Quadric {
   float area;
 } Quadric;
 
-enum MaterialKind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC };
+// The kinds before MATERIAL_MIRROR scatter into all directions, those from it on into single ones (deltas).
+enum MaterialKind {
+  MATERIAL_DIFFUSE,
+  MATERIAL_OREN_NAYAR,       // the full model
+  MATERIAL_OREN_NAYAR_FAST,  // the qualitative model
+  MATERIAL_DISNEY,           // the diffuse part of Burley 2012
+  MATERIAL_MIRROR,
+  MATERIAL_CONDUCTOR,
+  MATERIAL_DIELECTRIC,
+  MATERIAL_THIN_DIELECTRIC,
+  MATERIAL_BLEND             // one of two materials, chosen at random at each vertex of a path
+};
 
+// A texture, where there is one, is 1 + its index; 0: none. A material of zeros is plain, black and opaque.
 typedef struct Material {
-  packed_float3 reflectance;  // diffuse: albedo; mirror, conductor, dielectric: factor of the reflected light
+  packed_float3 reflectance;  // diffuse kinds: albedo or base colour; others: factor of the reflected light
   uint kind;
-  packed_float3 transmittance;  // dielectric: factor of the transmitted light
-  float eta;                    // dielectric: refractive index of the back side over that of the front side
+  packed_float3 transmittance;  // dielectrics: factor of the transmitted light
+  float eta;                    // dielectrics: refractive index of the back side (thin: of the inside) over that of the front side
   packed_float3 conductor_eta;  // conductor: real part of the refractive index, relative to the medium outside
-  float pad0;
-  packed_float3 conductor_k;  // conductor: its extinction coefficient
-  float pad1;
+  float roughness;              // Oren-Nayar: sigma in radians; Disney: in [0, 1]; with a texture: factor of what that says
+  packed_float3 conductor_k;    // conductor: its extinction coefficient
+  float transparency;           // share of light that goes straight through, 1 - opacity
+  uint reflectance_texture;     // these take the place of the constants above
+  uint transmittance_texture;
+  uint roughness_texture;
+  uint opacity_texture;
+  uint normal_texture;          // of normals in the tangent frame, (n + 1) / 2
+  uint bump_texture;            // of heights
+  float bump_scale;             // canonical length of height 1
+  float weight;                 // blend: that the second one is chosen
+  uint weight_texture;
+  uint first, second;           // blend: the two materials
 } Material;
 
-enum LightKind { LIGHT_TRIANGLE, LIGHT_QUADRIC, LIGHT_POINT, LIGHT_DIRECTIONAL, LIGHT_CONSTANT };
+enum TextureKind { TEXTURE_BITMAP, TEXTURE_CHECKERBOARD, TEXTURE_VERTEX_ATTRIBUTE, TEXTURE_FACE_ATTRIBUTE };
+enum TexelFormat { TEXEL_U8, TEXEL_U16, TEXEL_HALF, TEXEL_FLOAT };  // integers: shares of the largest one
+enum TextureWrap { WRAP_REPEAT, WRAP_MIRROR, WRAP_CLAMP };
+
+// A colour (3 channels) or a number (1 channel) that varies over a surface.
+typedef struct Texture {
+  packed_float3 color0;  // checkerboard: where both halves of the unit square agree
+  uint kind;
+  packed_float3 color1;  // and where they differ
+  uint channels;         // 1 or 3
+  packed_float3 to_u;    // u of the lookup: dot(to_u, (u, v, 1))
+  uint format;           // of its texels; attributes: TEXEL_FLOAT
+  packed_float3 to_v;
+  uint srgb;             // 1: integer texels are encoded as sRGB
+  ulong offset;          // bytes from the start of the texels to its first, a multiple of 4; rows from top to bottom
+  uint width, height;    // bitmap, texels
+  uint wrap;
+  uint nearest;          // 1: no interpolation
+} Texture;
+
+enum LightKind {
+  LIGHT_TRIANGLE,
+  LIGHT_QUADRIC,
+  LIGHT_POINT,
+  LIGHT_SPOT,
+  LIGHT_DIRECTIONAL,
+  LIGHT_CONSTANT,
+  LIGHT_ENVIRONMENT  // a texture around the scene
+};
 
 typedef struct Light {
-  packed_float3 radiance;  // area, constant: W/(m^2 sr); point: W/sr in canonical lengths; directional: W/m^2
+  packed_float3 radiance;  // area, constant, environment (its factor): W/(m^2 sr); point, spot: W/sr in canonical lengths; directional: W/m^2
   uint kind;
-  packed_float3 position;  // triangle: vertex 0; point: the point; directional: the direction in which the light travels
-  float probability;       // that light_select chooses it
-  packed_float3 edge1;     // triangle: vertex 1 - vertex 0
+  packed_float3 position;  // triangle: vertex 0; point, spot: the point; directional: the direction in which the light travels
+  float probability;       // that distribution_select chooses it
+  packed_float3 edge1;     // triangle: vertex 1 - vertex 0; spot: unit direction of its axis
   uint primitive;          // triangle and quadric: its primitive id
-  packed_float3 edge2;     // triangle: vertex 2 - vertex 0
+  packed_float3 edge2;     // triangle: vertex 2 - vertex 0; spot: cutoff angle and beam width, radians
   float area;              // triangle: area, canonical
+  uint texture;            // area: 1 + index of the texture that takes the place of the radiance, or 0
+  uint part;               // triangle: which part of its triangle, below split^2, see light.h
+  uint split;
+  uint pad;
 } Light;
 
-// Ray through film position (x, y), in pixels of the full film: direction corner + x step_x + y step_y before normalisation;
-// its component along the viewing axis is 1 in canonical length.
+// Ray through film position (x, y), in pixels of the full film. Perspective: direction corner + x step_x + y step_y before
+// normalisation; its component along the viewing axis is 1 in canonical length. Orthographic: the ray starts at
+// origin + corner + x step_x + y step_y and runs along the axis.
 typedef struct Camera {
   packed_float3 origin;
   float near_clip;
   packed_float3 corner;
   float far_clip;
   packed_float3 step_x;
-  float pad0;
+  float aperture_radius;  // thin lens: of the lens, canonical; 0: pinhole
   packed_float3 step_y;
-  float pad1;
+  float focus_distance;   // thin lens: depth of the plane in focus, canonical
+  packed_float3 axis;     // unit viewing direction
+  uint orthographic;
 } Camera;
 
 // One for the whole render.
@@ -127,8 +186,14 @@ typedef struct Settings {
   uint filter_count;               // entries of the filter table (film position filter), >= 2
   float filter_radius;             // pixels
   int film_exponent;               // sums count units of 2^(film_exponent - FILM_FRACTION_BITS)
-  packed_float3 environment;       // radiance of the constant light; 0 without one
-  float environment_probability;   // that light_select chooses it
+  packed_float3 environment;       // radiance of the constant light, or factor of the environment map; 0 without one
+  float environment_probability;   // that distribution_select chooses it
+  packed_float3 environment_x;     // rows of the rotation from the world to the environment map
+  uint environment_texture;        // 1 + its index, or 0
+  packed_float3 environment_y;
+  uint pad0;
+  packed_float3 environment_z;
+  uint pad1;
 } Settings;
 
 #define FILM_FRACTION_BITS 54         // bits of a film sum below 2^film_exponent
@@ -155,9 +220,12 @@ typedef struct PathState {
   Ray ray;
   packed_float3 throughput;
   packed_float3 radiance;
+  packed_float3 origin;  // where its direction was chosen: behind surfaces that let it through, the ray starts later
+  float travelled;       // and how far that is
   float eta;         // product of the relative indices crossed: undoes the radiance scaling in Russian roulette
   float pdf;         // solid-angle density of the sampled direction; 0 after a delta scattering or from the camera
   uint depth;        // segments finished
+  uint passes;       // surfaces that let the path through
   uint hit_anything; // of the camera ray: alpha
   uint alive;
 } PathState;
@@ -166,6 +234,7 @@ typedef struct PathState {
 typedef struct ShadowRay {
   Ray ray;
   packed_float3 contribution;
+  uint depth;  // of the path's vertex where it starts
 } ShadowRay;
 
 // The node: W children, their boxes in rows lo.x hi.x lo.y hi.y lo.z hi.z. A child is a node index, or LEAF_BIT with block

@@ -133,7 +133,7 @@ std::filesystem::path kernel_directory() {
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options) {
   const std::filesystem::path directory = kernel_directory();
   std::ostringstream flags;
-  flags << "-cl-std=CL1.2 -DFEATURES=" << options.features << "u -DBVH_WIDTH=" << options.bvh_width
+  flags << "-cl-std=CL1.2 -DFEATURES=" << options.features << "ul -DAPPROXIMATIONS=" << options.approximations << "ul -DBVH_WIDTH=" << options.bvh_width
         << " -DSTACK_SIZE=" << options.stack_size;
   if (device.device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     flags << " -cl-fp32-correctly-rounded-divide-sqrt";

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "../cl/features.h"
+
 namespace oclair {
 
 struct Device {
@@ -30,9 +32,10 @@ Device open_device(const std::string& selector = {});
 
 // What a program is compiled with. Each distinct value is one compilation.
 struct KernelOptions {
-  std::uint32_t features;  // FEATURE_ bits of cl/features.h
+  Features features;
   int bvh_width = 8;
-  int stack_size = 64;     // entries of the traversal stack
+  int stack_size = 64;                // entries of the traversal stack
+  Approximations approximations = 0;  // that the user asked for
 };
 
 // Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is

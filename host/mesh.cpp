@@ -62,7 +62,7 @@ std::vector<glm::dvec3> placed(const std::vector<glm::dvec3>& positions, const g
 
 Mesh flat_mesh(const std::vector<glm::dvec3>& positions, const std::vector<glm::uvec3>& triangles,
                const std::vector<glm::dvec3>& fronts, const MeshOptions& options) {
-  Mesh mesh{placed(positions, options.to_world), {}, triangles};
+  Mesh mesh{.positions = placed(positions, options.to_world), .triangles = triangles};
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     auto& t = mesh.triangles[i];
     const auto front = transform_normal(options.to_world, fronts[i]) * (options.flip_normals ? -1.0 : 1.0);
@@ -88,7 +88,10 @@ void append_polygon(ObjectMesh& mesh, std::span<const std::uint32_t> corners) {
 }
 
 Mesh to_world(const ObjectMesh& source, const MeshOptions& options) {
-  Mesh mesh{placed(source.positions, options.to_world), {}, source.triangles};
+  Mesh mesh{.positions = placed(source.positions, options.to_world),
+            .uvs = source.uvs,
+            .triangles = source.triangles,
+            .attributes = source.attributes};
   if (!options.face_normals && source.normals.empty()) {
     mesh.normals = smooth_normals(mesh);
   } else if (!options.face_normals) {

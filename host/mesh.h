@@ -14,7 +14,9 @@ namespace oclair {
 struct ObjectMesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;  // one per position, of any length but 0, or none
+  std::vector<glm::dvec2> uvs;      // one per position, or none
   std::vector<glm::uvec3> triangles;
+  std::vector<MeshAttribute> attributes;
   std::size_t concave_polygons = 0;  // that the fan of append_polygon covers wrongly
 };
 

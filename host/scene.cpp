@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "distribution.h"
 #include "error.h"
 #include "filter.h"
+#include "material_placer.h"
 
 namespace oclair {
 namespace {
@@ -40,58 +42,98 @@ struct Lights {
   double film_scale() const { return std::max(illumination, std::ldexp(brightest, -30)); }
 };
 
-std::uint32_t material_feature(const Material& material) {
-  switch (material.kind) {
-    case MATERIAL_DIFFUSE: return FEATURE_DIFFUSE;
-    case MATERIAL_MIRROR: return FEATURE_MIRROR;
-    case MATERIAL_CONDUCTOR: return FEATURE_CONDUCTOR;
-    default: return FEATURE_DIELECTRIC;
+Features material_features(const Material& m) {
+  Features features = 0;
+  switch (m.kind) {
+    case MATERIAL_DIFFUSE: features |= FEATURE_DIFFUSE; break;
+    case MATERIAL_OREN_NAYAR: features |= FEATURE_OREN_NAYAR; break;
+    case MATERIAL_OREN_NAYAR_FAST: features |= FEATURE_OREN_NAYAR_FAST; break;
+    case MATERIAL_DISNEY: features |= FEATURE_DISNEY; break;
+    case MATERIAL_MIRROR: features |= FEATURE_MIRROR; break;
+    case MATERIAL_CONDUCTOR: features |= FEATURE_CONDUCTOR; break;
+    case MATERIAL_DIELECTRIC: features |= FEATURE_DIELECTRIC; break;
+    case MATERIAL_THIN_DIELECTRIC: features |= FEATURE_THIN_DIELECTRIC; break;
+    default: features |= FEATURE_BLEND; break;
   }
+  if (m.transparency > 0.0f || m.opacity_texture != 0) features |= FEATURE_OPACITY;
+  if (m.normal_texture != 0) features |= FEATURE_NORMAL_MAPS;
+  if (m.bump_texture != 0) features |= FEATURE_BUMP_MAPS;
+  return features;
 }
 
-void add_mesh(Scene& scene, Lights& lights, const WorldShape& source, uint shape_index) {
+// The triangles that can be seen. The device forms the normal from edges rounded to float32: where those are parallel, or their
+// cross product below what float32 holds, there is none.
+std::vector<uint> triangles_with_area(const std::vector<packed_float3>& positions, const Mesh& mesh, std::size_t first_position) {
+  std::vector<uint> faces;
+  faces.reserve(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3 t = mesh.triangles[i];
+    const glm::dvec3 p0 = unpack(positions[first_position + t.x]), p1 = unpack(positions[first_position + t.y]),
+                     p2 = unpack(positions[first_position + t.z]);
+    const glm::dvec3 normal = glm::abs(glm::cross(unpack(pack(p1 - p0)), unpack(pack(p2 - p0))));
+    if (glm::length(glm::cross(p1 - p0, p2 - p0)) > 0.0 && largest(normal) >= std::numeric_limits<float>::min())
+      faces.push_back(static_cast<uint>(i));
+  }
+  return faces;
+}
+
+void add_triangle_light(Scene& scene, Lights& lights, const WorldShape& source, uint texture, uint primitive) {
+  const packed_uint3 v = scene.triangles[primitive];
+  const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
+  const double area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0)), brightest = largest(*source.radiance);
+  Light light{};
+  light.kind = LIGHT_TRIANGLE;
+  light.radiance = pack(*source.radiance);
+  light.position = pack(p0);
+  light.edge1 = pack(p1 - p0);
+  light.edge2 = pack(p2 - p0);
+  light.primitive = primitive;
+  light.area = static_cast<float>(area);
+  light.texture = texture;
+  light.split = 1;
+  lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
+}
+
+// Appends what varies with the vertices; returns where it begins, or NONE.
+template <class Out, class In, class Convert>
+uint append_vertices(std::vector<Out>& out, const std::vector<In>& in, Convert convert) {
+  if (in.empty()) return NONE;
+  const uint first = static_cast<uint>(out.size());
+  std::transform(in.begin(), in.end(), std::back_inserter(out), convert);
+  return first;
+}
+
+void add_mesh(Scene& scene, Lights& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
   const Mesh& mesh = source.mesh;
   const std::size_t first_position = scene.positions.size();
-  const std::size_t first_normal = scene.normals.size();
   if (first_position + mesh.positions.size() >= NONE || scene.triangles.size() + mesh.triangles.size() >= QUADRIC_BIT)
     throw Error(Exit::scene, source.where + ": too many triangles: expected fewer than 2^31 triangles and 2^32 vertices in all");
-  Shape& shape = scene.shapes[shape_index];
-  shape.first_triangle = static_cast<uint>(scene.triangles.size());
-  shape.smooth = !mesh.normals.empty();
   for (const glm::dvec3& p : mesh.positions) scene.positions.push_back(pack(scene.frame.place(p)));
-  for (const glm::dvec3& n : mesh.normals) scene.normals.push_back(pack(n));
+  const std::vector<uint> faces = triangles_with_area(scene.positions, mesh, first_position);
+  scene.degenerate_primitives += mesh.triangles.size() - faces.size();
+  materials.begin_shape(source, faces);
 
-  const double brightest = source.radiance ? largest(*source.radiance) : 0.0;
-  const bool emits = brightest > 0.0;
+  Shape& shape = scene.shapes[shape_index];
+  shape.material_front = materials.material(source.material_front);
+  shape.material_back = materials.material(source.material_back);
+  shape.first_triangle = static_cast<uint>(scene.triangles.size());
+  shape.first_normal = append_vertices(scene.normals, mesh.normals, pack);
+  const uint texture = materials.texture(source.radiance_texture);
+  if (materials.needs_uv(source.material_front) || materials.needs_uv(source.material_back) ||
+      materials.texture_needs_uv(source.radiance_texture))
+    shape.first_uv = append_vertices(scene.uvs, mesh.uvs, [](const glm::dvec2& uv) {
+      return std::array{static_cast<float>(uv.x), static_cast<float>(uv.y)};
+    });
+  const bool emits = source.radiance && largest(*source.radiance) > 0.0 && !faces.empty();
   if (emits) shape.first_light = static_cast<uint>(scene.lights.size());
-  for (const glm::uvec3& triangle : mesh.triangles) {
-    const glm::uvec3 v = triangle + glm::uvec3(static_cast<uint>(first_position));
-    const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
-    // The device forms the normal from edges rounded to float32: where those are parallel, or their cross product below what float32
-    // holds, there is none.
-    const glm::dvec3 normal = glm::abs(glm::cross(unpack(pack(p1 - p0)), unpack(pack(p2 - p0))));
-    const double area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
-    if (!(area > 0.0) || !(largest(normal) >= std::numeric_limits<float>::min())) {
-      ++scene.degenerate_primitives;
-      continue;
-    }
+  for (const uint face : faces) {
+    const glm::uvec3 t = mesh.triangles[face], v = t + glm::uvec3(static_cast<uint>(first_position));
     const uint primitive = static_cast<uint>(scene.triangles.size());
     scene.triangles.push_back({v.x, v.y, v.z});
     scene.triangle_shape.push_back(shape_index);
-    const glm::uvec3 n = triangle + glm::uvec3(static_cast<uint>(first_normal));
-    scene.triangle_vertices.push_back(shape.smooth ? packed_uint3{n.x, n.y, n.z} : packed_uint3{0, 0, 0});
-    if (!emits) continue;
-    Light light{};
-    light.kind = LIGHT_TRIANGLE;
-    light.radiance = pack(*source.radiance);
-    light.position = pack(p0);
-    light.edge1 = pack(p1 - p0);
-    light.edge2 = pack(p2 - p0);
-    light.primitive = primitive;
-    light.area = static_cast<float>(area);
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
+    scene.triangle_vertices.push_back({t.x, t.y, t.z});
+    if (emits) add_triangle_light(scene, lights, source, texture, primitive);
   }
-  if (shape.first_triangle == scene.triangles.size()) shape.first_light = NONE;
 }
 
 double quadric_area(Geometry geometry, const glm::dmat4& to_canonical) {
@@ -103,7 +145,7 @@ double quadric_area(Geometry geometry, const glm::dmat4& to_canonical) {
   }
 }
 
-void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint shape_index) {
+void add_quadric(Scene& scene, Lights& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
   glm::dmat4 map = source.to_world;
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) map[c][r] = scene.frame.place_length(map[c][r]);
@@ -125,6 +167,9 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
     *axes[c] = pack(column / length2);  // row of the inverse: the columns are orthogonal
   }
   quadric.shape = shape_index;
+  materials.begin_shape(source, {});
+  scene.shapes[shape_index].material_front = materials.material(source.material_front);
+  scene.shapes[shape_index].material_back = materials.material(source.material_back);
   quadric.flip = source.flip_normals ? -1.0f : 1.0f;
   const double area = quadric_area(source.geometry, map);
   quadric.area = static_cast<float>(area);
@@ -136,20 +181,24 @@ void add_quadric(Scene& scene, Lights& lights, const WorldShape& source, uint sh
     light.radiance = pack(*source.radiance);
     light.primitive = QUADRIC_BIT | static_cast<uint>(scene.quadrics.size());
     light.area = quadric.area;
+    light.texture = materials.texture(source.radiance_texture);
+    light.split = 1;
     lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
   }
   scene.quadrics.push_back(quadric);
 }
 
-void add_shapes(Scene& scene, Lights& lights, std::vector<WorldShape>& sources) {
+void add_shapes(Scene& scene, Lights& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
   for (WorldShape& source : sources) {
     const uint index = static_cast<uint>(scene.shapes.size());
-    scene.shapes.push_back({source.material_front, source.material_back, NONE, 0, 0});
-    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, source, index);
-    else add_quadric(scene, lights, source, index);
+    scene.shapes.push_back({NONE, NONE, NONE, 1, 0, NONE, NONE});
+    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, index);
+    else add_quadric(scene, lights, materials, source, index);
     source.mesh = {};
   }
-  if (scene.normals.empty()) scene.triangle_vertices.clear();
+  const bool vertex_attributes = std::any_of(scene.textures.begin(), scene.textures.end(),
+                                             [](const Texture& t) { return t.kind == TEXTURE_VERTEX_ATTRIBUTE; });
+  if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) scene.triangle_vertices.clear();
 }
 
 void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sources) {
@@ -208,6 +257,9 @@ Camera place_camera(const WorldCamera& source, const WorldFilm& film, const Cano
   camera.corner = pack(rotation * glm::dvec3(corner, 1.0));
   camera.step_x = pack(rotation * glm::dvec3(step.x, 0.0, 0.0));
   camera.step_y = pack(rotation * glm::dvec3(0.0, step.y, 0.0));
+  camera.axis = pack(rotation * glm::dvec3(0.0, 0.0, 1.0));
+  camera.aperture_radius = static_cast<float>(frame.place_length(source.aperture_radius));
+  camera.focus_distance = static_cast<float>(frame.place_length(source.focus_distance));
   camera.near_clip = static_cast<float>(frame.place_length(source.near_clip));
   camera.far_clip = static_cast<float>(std::min(frame.place_length(source.far_clip), 1e30));
   return camera;
@@ -231,14 +283,15 @@ void set_settings(Scene& scene, const World& world) {
   s.filter_radius = static_cast<float>(film.filter_radius);
 }
 
-std::uint32_t features_of(const Scene& scene, const World& world) {
-  std::uint32_t features = 0;
-  const auto used = [&](uint material) {
-    if (material != NONE) features |= material_feature(scene.materials[material]);
-  };
-  for (const Shape& shape : scene.shapes) {
-    used(shape.material_front);
-    used(shape.material_back);
+Features features_of(const Scene& scene, const World& world) {
+  Features features = 0;
+  for (const Material& material : scene.materials) features |= material_features(material);
+  for (const Texture& texture : scene.textures) {
+    switch (texture.kind) {
+      case TEXTURE_BITMAP: features |= FEATURE_BITMAPS; break;
+      case TEXTURE_CHECKERBOARD: features |= FEATURE_CHECKERBOARDS; break;
+      default: features |= FEATURE_ATTRIBUTES; break;
+    }
   }
   if (!scene.triangles.empty()) features |= FEATURE_TRIANGLES;
   if (!scene.normals.empty()) features |= FEATURE_SMOOTH_NORMALS;
@@ -249,10 +302,15 @@ std::uint32_t features_of(const Scene& scene, const World& world) {
       case LIGHT_TRIANGLE: features |= FEATURE_TRIANGLE_LIGHTS; break;
       case LIGHT_QUADRIC: features |= FEATURE_QUADRIC_LIGHTS; break;
       case LIGHT_POINT: features |= FEATURE_POINT_LIGHTS; break;
+      case LIGHT_SPOT: features |= FEATURE_SPOT_LIGHTS; break;
       case LIGHT_DIRECTIONAL: features |= FEATURE_DIRECTIONAL_LIGHTS; break;
-      default: features |= FEATURE_CONSTANT_LIGHT; break;
+      case LIGHT_CONSTANT: features |= FEATURE_CONSTANT_LIGHT; break;
+      default: features |= FEATURE_ENVIRONMENT_MAP; break;
     }
+    if (light.texture != 0) features |= FEATURE_TEXTURED_LIGHTS;
   }
+  if (world.camera.orthographic) features |= FEATURE_ORTHOGRAPHIC;
+  if (world.camera.aperture_radius > 0.0) features |= FEATURE_THIN_LENS;
   if (world.integrator.moments) features |= FEATURE_MOMENTS;
   return features;
 }
@@ -262,9 +320,9 @@ std::uint32_t features_of(const Scene& scene, const World& world) {
 Scene place_scene(World world) {
   Scene scene;
   scene.frame = canonical_frame(world);
-  scene.materials = world.materials;
+  MaterialPlacer materials(world, scene);
   Lights lights{scene.lights, {}};
-  add_shapes(scene, lights, world.shapes);
+  add_shapes(scene, lights, materials, world.shapes);
   add_lights(scene, lights, world.lights);
   finish_lights(scene, lights);
   scene.filter = filter_table(world.film.filter, world.film.filter_radius, world.film.filter_stddev);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ namespace oclair {
 
 struct Scene {
   CanonicalFrame frame;
-  std::uint32_t features = 0;  // FEATURE_ bits
+  Features features = 0;
 
   // Input of the BVH, which keeps what it needs of them.
   std::vector<packed_float3> positions;
@@ -25,11 +26,16 @@ struct Scene {
   std::vector<Quadric> quadrics;
   std::vector<Shape> shapes;
   std::vector<uint> triangle_shape;
-  std::vector<packed_uint3> triangle_vertices;  // with SMOOTH_NORMALS: indices into normals, 0 0 0 for flat shapes
+  std::vector<packed_uint3> triangle_vertices;  // counted in the mesh; empty if nothing varies with the vertices
   std::vector<packed_float3> normals;
+  std::vector<std::array<float, 2>> uvs;
   std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<std::byte> texels;
+  std::vector<float> srgb;  // decoded values of 8-bit sRGB, if a texture has such texels
   std::vector<Light> lights;
   std::vector<uint> light_cdf;
+  std::vector<uint> environment_cdf;  // see cl/environment.h
   std::vector<std::array<float, 2>> filter;
   Camera camera{};
   Settings settings{};

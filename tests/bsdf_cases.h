@@ -8,7 +8,7 @@ namespace oclair::test {
 struct Model {
   const char* name;
   Material material;
-  std::uint32_t feature;
+  Features feature;
   bool is_delta;
 };
 
@@ -38,7 +38,7 @@ inline Inputs random_inputs(std::uint64_t seed, std::size_t count) {
   return inputs;
 }
 
-inline Scatters sample_bsdf(const Material& material, const Inputs& inputs, std::uint32_t features = every_feature) {
+inline Scatters sample_bsdf(const Material& material, const Inputs& inputs, Features features = every_feature) {
   const std::size_t count = inputs.wo.size();
   Scatters result(count);
   run_with({features}, "bsdf_test.cl", "sample", count, std::vector(count, material), inputs.wo, inputs.front, inputs.u,
@@ -51,9 +51,12 @@ struct Values {
   std::vector<cl_uint> is_delta;
 };
 
-inline Values evaluate_bsdf(const Material& material, const std::vector<cl_float4>& wi, std::uint32_t features = every_feature) {
+// wo: one direction for all, or one for each wi.
+inline Values evaluate_bsdf(const Material& material, const std::vector<cl_float4>& wi, Features features = every_feature,
+                            std::vector<cl_float4> wo = {{{0.6f, 0, 0.8f, 0}}}) {
+  if (wo.size() == 1) wo.assign(wi.size(), wo[0]);
   Values result{std::vector<cl_float4>(wi.size()), std::vector<cl_uint>(wi.size())};
-  run_with({features}, "bsdf_test.cl", "evaluate", wi.size(), std::vector(wi.size(), material), wi,
+  run_with({features}, "bsdf_test.cl", "evaluate", wi.size(), std::vector(wi.size(), material), wo, wi,
            out(result.value_pdf), out(result.is_delta));
   return result;
 }

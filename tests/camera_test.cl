@@ -4,7 +4,7 @@ __kernel void rays(uint count, __global const Camera *camera, __global const flo
   size_t i = get_global_id(0);
   if (i >= count) return;
   Camera c = *camera;
-  result[i] = camera_ray(&c, x[i], y[i]);
+  result[i] = camera_ray(&c, x[i], y[i], (float2)(0.0f));
 }
 
 __kernel void enter(uint count, __global Ray *rays) {

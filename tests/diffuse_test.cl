@@ -5,9 +5,9 @@ __kernel void sample(uint count, __global const Material *materials, __global co
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Material material = materials[i];
-  const Scatter s = diffuse_sample(&material, u[i]);
+  const Scatter s = diffuse_sample(u[i]);
   direction_pdf[i] = (float4)(s.wi, s.pdf);
-  weight_eta[i] = (float4)(s.weight, s.eta);
+  weight_eta[i] = (float4)(s.weight * lambert_factor(&material), s.eta);
 }
 
 // x, y, z: the value; w: the density.
@@ -15,5 +15,5 @@ __kernel void evaluate(uint count, __global const Material *materials, __global 
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Material material = materials[i];
-  result[i] = (float4)(diffuse_eval(&material, wi[i].xyz), diffuse_pdf(wi[i].xyz));
+  result[i] = (float4)(diffuse_eval(lambert_factor(&material), wi[i].xyz), diffuse_pdf(wi[i].xyz));
 }

@@ -18,7 +18,7 @@
 
 namespace oclair::test {
 
-inline constexpr std::uint32_t every_feature = ALL_FEATURES;
+inline constexpr Features every_feature = ALL_FEATURES;
 
 // Under a memory checker (OCLAIR_SMALL=1) inputs shrink to what it can run in a minute.
 inline bool small_inputs() { return std::getenv("OCLAIR_SMALL") != nullptr; }

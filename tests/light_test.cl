@@ -2,7 +2,7 @@
 
 __kernel void choose(uint count, __global const uint *cdf, uint lights, __global const uint *bits, __global uint *which) {
   size_t i = get_global_id(0);
-  if (i < count) which[i] = light_select(cdf, lights, bits[i]);
+  if (i < count) which[i] = distribution_select(cdf, lights, bits[i]);
 }
 
 typedef struct Result {

@@ -11,7 +11,7 @@ namespace {
 struct Row {
   const char* name;
   std::function<void(World&)> add;
-  std::uint32_t features;
+  Features features;
 };
 
 WorldShape& add_quadric(World& world, Geometry geometry, double radiance) {

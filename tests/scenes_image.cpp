@@ -37,7 +37,7 @@ TEST(scenes_image, every_scene_renders_light_and_rejects_no_sample) {
 }
 
 TEST(scenes_image, a_scene_requires_exactly_its_features) {
-  const std::map<std::string, std::uint32_t> required = {
+  const std::map<std::string, Features> required = {
       {"cornell.xml", FEATURE_DIFFUSE | FEATURE_MIRROR | FEATURE_DIELECTRIC | FEATURE_TRIANGLES | FEATURE_SPHERES |
                           FEATURE_TRIANGLE_LIGHTS},
       {"cornell-boxes.xml", FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_TRIANGLE_LIGHTS},

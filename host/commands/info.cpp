@@ -22,7 +22,7 @@ void print_film(const World& world) {
             << " samples per pixel\n";
 }
 
-void print_features(std::uint32_t features) {
+void print_features(Features features) {
 #define FEATURE_ROW(name, bit, description) \
   if (features & FEATURE_##name) row("feature") << #name << ": " << description << "\n";
   FEATURE_LIST(FEATURE_ROW)

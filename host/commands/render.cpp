@@ -63,7 +63,7 @@ void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress
   }
 }
 
-std::string feature_names(std::uint32_t features) {
+std::string feature_names(Features features) {
   std::string names;
 #define FEATURE_NAME(name, bit, description) \
   if (features & FEATURE_##name) names += (names.empty() ? "" : " ") + std::string(#name);

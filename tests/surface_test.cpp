@@ -170,7 +170,7 @@ TEST(surface_test, the_shading_normal_is_the_interpolated_one_where_it_faces_the
       {{slant, slant, slant}, {1, 0, -0.5f}, false}, {{steep, steep, steep}, {1, 0, 0.5f}, true}};
   Scene scene = scene_of({{packed_float3{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0, 0.5f, 0}}});
   scene.triangle_shape = {0};
-  scene.shapes = {{0, 0, NONE, 0, 1}};
+  scene.shapes = {{0, 0, NONE, 1, 0, 0, NONE}};
   scene.triangle_vertices = {{0, 1, 2}};
   const Bvh bvh = build_bvh(scene, 8);
   for (const Row& row : table) {
@@ -201,7 +201,7 @@ TEST(surface_test, the_geometric_normal_of_a_sliver_is_that_of_double_and_faces_
   }
   Scene scene = scene_of(triangles);
   scene.triangle_shape.assign(triangles.size(), 0);
-  scene.shapes = {{0, 0, NONE, 0, 0}};
+  scene.shapes = {{0, 0, NONE, 1, 0, NONE, NONE}};
   const Bvh bvh = build_bvh(scene, 8);
   const std::vector<uint> slot = slots(scene, bvh);
   std::vector<Hit> hits;

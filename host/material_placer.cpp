@@ -34,6 +34,7 @@ bool MaterialPlacer::is_attribute(uint reference) const {
 bool MaterialPlacer::texture_needs_uv(uint reference) const { return reference != 0 && !is_attribute(reference); }
 
 bool MaterialPlacer::uses_attributes(uint index) const {
+  if (index == NONE) return false;
   const Material& m = world_.materials[index];
   return std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return is_attribute(m.*texture); }) ||
          (m.kind == MATERIAL_BLEND && (uses_attributes(m.first) || uses_attributes(m.second)));
@@ -98,6 +99,9 @@ Texture MaterialPlacer::attribute(const WorldTexture& source) {
     throw Error(Exit::scene, source.where + ": the shape at " + shape_->where + " has no attribute \"" + source.attribute +
                                  "\" (it has: " + (names.empty() ? "none" : names) + ")");
   }
+  if (found->values.empty())
+    throw Error(Exit::scene, source.where + ": the attribute \"" + source.attribute + "\" of the shape at " + shape_->where +
+                                 " is of integers, expected floating-point numbers");
   Texture t{};
   t.kind = found->per_face ? TEXTURE_FACE_ATTRIBUTE : TEXTURE_VERTEX_ATTRIBUTE;
   t.channels = found->channels;

@@ -33,6 +33,8 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
     } else if (element.tag == "emitter") {
       // An area light that stands alone to be referred to by a shape shines there.
       if (element.type != "area") read_light(element, world);
+    } else if (element.tag == "texture") {
+      // Read where something refers to it.
     } else if (element.tag == "integrator") {
       if (std::exchange(has_integrator, true)) refuse(child.where, "<scene> has more than one <integrator>");
       read_integrator(document, child.element, world);
@@ -43,7 +45,7 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
         world.warnings.push_back(child.where + ": the scene is seen by its first <sensor>, this one is not used");
     } else {
       refuse(child.where,
-             describe(element) + " is not supported in <scene> (supported: bsdf, emitter, integrator, sensor, shape)");
+             describe(element) + " is not supported in <scene> (supported: bsdf, emitter, integrator, sensor, shape, texture)");
     }
   }
   const std::string& where = document.elements[0].where;

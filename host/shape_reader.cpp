@@ -32,7 +32,7 @@ MeshOptions mesh_options(Element& element) {
 }
 
 Mesh mesh_from_file(const Document& document, Element& element, World& world) {
-  boolean_property(element, "flip_tex_coords", false);  // nothing has a texture
+  const bool flip_uv = boolean_property(element, "flip_tex_coords", element.type == "obj");
   const auto name = string_property(element, "filename");
   if (!name) refuse(element.where, describe(element) + " lacks <string name=\"filename\">");
   const std::string at = where_is(element, "filename");
@@ -42,10 +42,15 @@ Mesh mesh_from_file(const Document& document, Element& element, World& world) {
   const auto options = mesh_options(element);
   try {
     const std::string bytes = read_mesh_file(file);
-    const ObjectMesh mesh = element.type == "obj" ? parse_obj(bytes) : parse_ply(bytes);
+    ObjectMesh mesh = element.type == "obj" ? parse_obj(bytes) : parse_ply(bytes);
     if (mesh.concave_polygons)
       world.warnings.push_back(at + ": " + file + ": " + std::to_string(mesh.concave_polygons) +
                                " polygons are concave or bent; each is cut into a fan around its first corner");
+    if (mesh.vertices_without_uv)
+      world.warnings.push_back(at + ": " + file + ": " + std::to_string(mesh.vertices_without_uv) +
+                               " vertices have no texture coordinates, the others have; they get (0, 0)");
+    if (flip_uv)
+      for (auto& uv : mesh.uvs) uv.y = 1.0 - uv.y;
     return to_world(mesh, options);
   } catch (const MeshFileError& error) {
     refuse(at, file + ": " + error.what());

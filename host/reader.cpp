@@ -34,7 +34,7 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
       // An area light that stands alone to be referred to by a shape shines there.
       if (element.type != "area") read_light(element, world);
     } else if (element.tag == "texture") {
-      // Read where something refers to it.
+      read_texture(document, child.element, context.textures, world);
     } else if (element.tag == "integrator") {
       if (std::exchange(has_integrator, true)) refuse(child.where, "<scene> has more than one <integrator>");
       read_integrator(document, child.element, world);

@@ -27,13 +27,16 @@ struct Attributes {
     list.push_back(std::move(attribute));
   }
 
-  void append(const std::vector<double>& values, const std::string& owner) {
+  // Of the vertex or face whose number that is.
+  void append(const std::vector<double>& values, std::uint64_t number) {
     for (std::size_t p = 0; p < target.size(); ++p) {
       if (target[p].first < 0) continue;
       auto& attribute = list[static_cast<std::size_t>(target[p].first)];
       const auto value = static_cast<float>(values[p]);
-      if (!std::isfinite(value)) fail_ply("the attribute " + attribute.name.substr(0, 40) + " of " + owner + " is not finite");
-      attribute.values.push_back(value);
+      if (!std::isfinite(value))
+        fail_ply("the attribute " + attribute.name.substr(0, 40) + " of number " + std::to_string(number) + " is not finite");
+      attribute.values.resize((number + 1) * attribute.channels);
+      attribute.values[number * attribute.channels + static_cast<std::size_t>(target[p].second)] = value;
     }
   }
 };
@@ -116,7 +119,7 @@ void read_vertices(PlyReader& reader, const PlyElement& element, ObjectMesh& mes
     if (has_uvs) mesh.uvs.push_back({values[6], values[7]});
     if (!std::isfinite(values[6]) || !std::isfinite(values[7]))
       fail_ply("the texture coordinates of vertex " + std::to_string(v) + " are not finite");
-    attributes.append(all, "vertex " + std::to_string(v));
+    attributes.append(all, v);
   }
   std::move(attributes.list.begin(), attributes.list.end(), std::back_inserter(mesh.attributes));
 }
@@ -153,7 +156,7 @@ void read_faces(PlyReader& reader, const PlyElement& element, std::uint64_t vert
       faces.sizes.push_back(static_cast<std::uint32_t>(faces.corners.size() - first));
       if (faces.sizes.back() < 3) fail_ply("face " + std::to_string(f) + " has fewer than three corners");
     }
-    attributes.append(all, "face " + std::to_string(f));
+    attributes.append(all, f);
   }
   faces.attributes = std::move(attributes.list);
 }

@@ -14,7 +14,8 @@ namespace {
 
 bool mirrors(const glm::dmat4& matrix) {
   glm::dmat3 m(matrix);
-  for (int c = 0; c < 3; ++c) m[c] /= std::max({std::abs(m[c].x), std::abs(m[c].y), std::abs(m[c].z)});  // no under- or overflow
+  // The largest component becomes 1: no product under- or overflows.
+  for (int c = 0; c < 3; ++c) m[c] /= std::max({std::abs(m[c].x), std::abs(m[c].y), std::abs(m[c].z)});
   return glm::determinant(m) < 0.0;
 }
 

@@ -27,8 +27,8 @@ ObjectMesh parse_obj(std::string_view text);
 // and properties are skipped. Throws MeshFileError.
 ObjectMesh parse_ply(std::string_view bytes);
 
-// The shape of that number in a file of Mitsuba's serialized meshes, versions 3 and 4. Like Mitsuba it takes no notice of the flag for
-// face normals. Colours become the attribute "vertex_color". Throws MeshFileError.
+// The shape of that number in a file of Mitsuba's serialized meshes, versions 3 and 4. Like Mitsuba it takes no notice of the
+// flag for face normals. Colours become the attribute "vertex_color". Throws MeshFileError.
 ObjectMesh parse_serialized(std::string_view file, std::uint64_t shape_index);
 
 // The whole file. Throws MeshFileError.

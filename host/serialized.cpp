@@ -1,7 +1,8 @@
-// Mitsuba's serialized meshes, little-endian (Jakob, Mitsuba 0.6 documentation, section 8.1.3): for each shape a header of two
-// 16-bit words, 0x041C and the version (3 or 4), and a zlib stream; after all of them their offsets in the file (32 bits in version 3,
-// 64 in version 4) and how many there are. The stream: flags; in version 4 a name that ends with a zero; two 64-bit counts, of
-// vertices and triangles; positions; normals, texture coordinates and colours if a flag says so; three indices for each triangle.
+// Mitsuba's serialized meshes, little-endian (documentation of its plugin "serialized"): for each shape a header of two 16-bit
+// words, 0x041C and the version (3 or 4), and a zlib stream; after all of them their offsets in the file (32 bits in version
+// 3, 64 in version 4) and how many there are. The stream: flags; in version 4 a name that ends with a zero; two 64-bit
+// counts, of vertices and triangles; positions; normals, texture coordinates and colours if a flag says so; three indices for
+// each triangle.
 #include <zlib.h>
 
 #include <algorithm>

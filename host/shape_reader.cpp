@@ -162,8 +162,8 @@ WorldShape read_single(Document& document, std::uint32_t index, ShapeContext& co
       refuse(where_is(element, "to_world"), describe(element) + ": " + error.what());
     }
   } else {
-    refuse(element.where, describe(element) + " is not supported (supported: cube, cylinder, disk, instance, obj, ply, rectangle, "
-                                              "serialized, shapegroup, sphere)");
+    refuse(element.where, describe(element) + " is not supported (supported: cube, cylinder, disk, instance, obj, ply, "
+                                              "rectangle, serialized, shapegroup, sphere)");
   }
   if (shape.mesh.triangles.size() > MAX_TRIANGLES || shape.mesh.positions.size() > MAX_TRIANGLES)
     refuse(element.where, "the scene has more than 2^31 - 1 triangles");

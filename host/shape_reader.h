@@ -1,5 +1,5 @@
-// <shape>: obj, ply, serialized, rectangle, cube, sphere, disk, cylinder, with the BSDF and the area light on it; shapegroup and
-// instance.
+// <shape>: obj, ply, serialized, rectangle, cube, sphere, disk, cylinder, with the BSDF and the area light on it; shapegroup
+// and instance.
 #pragma once
 
 #include <map>

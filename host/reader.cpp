@@ -48,6 +48,7 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
              describe(element) + " is not supported in <scene> (supported: bsdf, emitter, integrator, sensor, shape, texture)");
     }
   }
+  place_instances(context, world);
   const std::string& where = document.elements[0].where;
   if (!has_sensor) refuse(where, "<scene> has no <sensor>");
   if (!has_integrator) world.warnings.push_back(where + ": <scene> has no <integrator>; path with its defaults is used");

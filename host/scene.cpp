@@ -246,22 +246,53 @@ void finish_lights(Scene& scene, const Lights& lights) {
   std::frexp(lights.film_scale(), &scene.settings.film_exponent);
 }
 
+// How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,
+// which lies in [-1, 1]^3. Negative: some start beyond its beginning.
+double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y, const glm::dvec3& axis) {
+  const glm::dvec3 reach = glm::abs(axis);
+  double way = std::numeric_limits<double>::infinity();
+  for (const double x : {-film.filter_radius, film.width + film.filter_radius})
+    for (const double y : {-film.filter_radius, film.height + film.filter_radius})
+      way = std::min(way, -glm::dot(axis, first + x * step_x + y * step_y));
+  return way - (1.0 + 0x1p-10) * (reach.x + reach.y + reach.z);
+}
+
 Camera place_camera(const WorldCamera& source, const WorldFilm& film, const CanonicalFrame& frame) {
-  const glm::dmat3 rotation(source.to_world);
+  const glm::dmat3 linear(source.to_world);
   const glm::dvec2 size(film.width, film.height);
   const glm::dvec2 half(source.tan_half_fov_x, source.tan_half_fov_x * size.y / size.x);
   const glm::dvec2 corner = half * (1.0 - 2.0 * source.principal_point_offset);  // film position (0, 0): left is +x, up is +y
   const glm::dvec2 step = -2.0 * half / size;
+  const auto length = [&](double world) { return std::min(frame.place_length(world), 1e30); };
+  const auto vector = [&](const glm::dvec3& v) {
+    return glm::dvec3(frame.place_length(v.x), frame.place_length(v.y), frame.place_length(v.z));
+  };
+  const glm::dvec3 axis = glm::normalize(linear[2]);
+  glm::dvec3 origin = frame.place(glm::dvec3(source.to_world[3]));
+  glm::dvec3 across = linear * glm::dvec3(corner, source.orthographic ? 0.0 : 1.0);
+  glm::dvec3 step_x = linear * glm::dvec3(step.x, 0.0, 0.0), step_y = linear * glm::dvec3(0.0, step.y, 0.0);
+  double near_clip = length(source.near_clip), far_clip = length(source.far_clip);
+  if (source.orthographic) {
+    across = vector(across);
+    step_x = vector(step_x);
+    step_y = vector(step_y);
+    // The rays start where the scene can begin, in double: in float32 those of a camera 10^6 away would lie 0.06 off.
+    const double start = std::clamp(free_way(film, origin + across, step_x, step_y, axis), near_clip, far_clip);
+    origin += start * axis;
+    near_clip = 0.0;
+    far_clip -= start;
+  }
   Camera camera{};
-  camera.origin = pack(frame.place(glm::dvec3(source.to_world[3])));
-  camera.corner = pack(rotation * glm::dvec3(corner, 1.0));
-  camera.step_x = pack(rotation * glm::dvec3(step.x, 0.0, 0.0));
-  camera.step_y = pack(rotation * glm::dvec3(0.0, step.y, 0.0));
-  camera.axis = pack(rotation * glm::dvec3(0.0, 0.0, 1.0));
-  camera.aperture_radius = static_cast<float>(frame.place_length(source.aperture_radius));
-  camera.focus_distance = static_cast<float>(frame.place_length(source.focus_distance));
-  camera.near_clip = static_cast<float>(frame.place_length(source.near_clip));
-  camera.far_clip = static_cast<float>(std::min(frame.place_length(source.far_clip), 1e30));
+  camera.orthographic = source.orthographic;
+  camera.origin = pack(origin);
+  camera.corner = pack(across);
+  camera.step_x = pack(step_x);
+  camera.step_y = pack(step_y);
+  camera.axis = pack(axis);
+  camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
+  camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  camera.near_clip = static_cast<float>(near_clip);
+  camera.far_clip = static_cast<float>(far_clip);
   return camera;
 }
 

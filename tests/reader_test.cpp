@@ -223,6 +223,40 @@ TEST(reader_test, missing_integrator_is_a_path_and_is_warned_of) {
   EXPECT_TRUE(warns(world, "scene.xml:1: <scene> has no <integrator>"));
 }
 
+// Measured: focus_distance is that of far_clip by default; the field of view is that of a perspective camera.
+TEST(reader_test, a_thin_lens_is_a_perspective_camera_with_an_aperture) {
+  const auto lens = [](const std::string& content) {
+    return SceneDirectory().read("<sensor type=\"thinlens\"><float name=\"aperture_radius\" value=\"0.1\"/>" + content + "</sensor>").camera;
+  };
+  EXPECT_EQ(lens("").aperture_radius, 0.1);
+  EXPECT_EQ(lens("").focus_distance, 1e4);
+  EXPECT_EQ(lens("<float name=\"far_clip\" value=\"7\"/>").focus_distance, 7.0);
+  EXPECT_EQ(lens("<float name=\"focus_distance\" value=\"3\"/>").focus_distance, 3.0);
+  EXPECT_NEAR(lens("<float name=\"fov\" value=\"90\"/>").tan_half_fov_x, 1.0, 1e-15);
+  EXPECT_FALSE(lens("").orthographic);
+  EXPECT_EQ(sensor("").camera.aperture_radius, 0.0);
+}
+
+// Measured: a scale of the camera makes the film larger and moves the near plane; the planes stay as far apart as they were.
+TEST(reader_test, an_orthographic_film_is_as_wide_as_its_transform_says) {
+  const auto camera = SceneDirectory()
+                          .read("<sensor type=\"orthographic\"><float name=\"near_clip\" value=\"1\"/><float name=\"far_clip\" value=\"5\"/>"
+                                "<transform name=\"to_world\"><scale value=\"3\"/></transform></sensor>")
+                          .camera;
+  EXPECT_TRUE(camera.orthographic);
+  EXPECT_EQ(camera.to_world[0].x * camera.tan_half_fov_x, 3.0);
+  EXPECT_EQ(camera.near_clip, 3.0);
+  EXPECT_EQ(camera.far_clip, 7.0);
+  EXPECT_EQ(camera.aperture_radius, 0.0);
+}
+
+TEST(reader_test, a_principal_point_is_only_read_by_the_pinhole) {
+  for (const char* type : {"orthographic", "thinlens"})
+    EXPECT_TRUE(warns(SceneDirectory().read("<sensor type=\"" + std::string(type) + "\"><float name=\"aperture_radius\" value=\"1\"/>"
+                                            "<float name=\"principal_point_offset_x\" value=\"0.5\"/></sensor>"),
+                      "principal_point_offset_x"));
+}
+
 TEST(reader_test, first_of_two_sensors_sees_the_scene) {
   const auto world =
       SceneDirectory().read("<sensor type=\"perspective\"><float name=\"far_clip\" value=\"9\"/></sensor>\n" + SENSOR);

@@ -54,6 +54,9 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"directional", [](World& w) { w.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(1.0), {0, 0, 1}}); }, FEATURE_DIRECTIONAL_LIGHTS},
       {"constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(1.0), {}}); }, FEATURE_CONSTANT_LIGHT},
       {"black constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(0.0), {}}); }, 0},
+      {"lens", [](World& w) { w.camera.aperture_radius = 0.1; }, FEATURE_THIN_LENS},
+      {"closed lens", [](World& w) { w.camera.focus_distance = 2.0; }, 0},
+      {"orthographic", [](World& w) { w.camera.orthographic = true; }, FEATURE_ORTHOGRAPHIC},
       {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS}};
   std::uint32_t all = 0;
   for (const Row& row : rows) {

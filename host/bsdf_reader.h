@@ -1,4 +1,4 @@
-// <bsdf>: diffuse, conductor, dielectric, twosided.
+// <bsdf>: diffuse, roughdiffuse, principled, conductor, dielectric, thindielectric, twosided.
 #pragma once
 
 #include <map>

@@ -22,23 +22,27 @@ WorldShape& add_quadric(World& world, Geometry geometry, double radiance) {
 
 void add_material(World& world, const Material& material) { add_box(add_shape(world, material, Sides::front).mesh, {-1, -1, -1}, {1, 1, 1}); }
 
-Material conductor() {
+Material of_kind(MaterialKind kind) {
   Material m = diffuse(1.0);
-  m.kind = MATERIAL_CONDUCTOR;
+  m.kind = kind;
   return m;
 }
 
 }  // namespace
 
 TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
-  const std::uint32_t flat = FEATURE_DIFFUSE;
+  const Features flat = FEATURE_DIFFUSE;
   const std::vector<Row> rows = {
       {"nothing", [](World&) {}, 0},
       {"unused material", [](World& w) { w.materials.push_back(dielectric(1.5)); }, 0},
       {"diffuse", [](World& w) { add_material(w, diffuse(0.5)); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES},
       {"mirror", [](World& w) { add_material(w, mirror(0.5)); }, FEATURE_MIRROR | FEATURE_TRIANGLES},
-      {"conductor", [](World& w) { add_material(w, conductor()); }, FEATURE_CONDUCTOR | FEATURE_TRIANGLES},
+      {"conductor", [](World& w) { add_material(w, of_kind(MATERIAL_CONDUCTOR)); }, FEATURE_CONDUCTOR | FEATURE_TRIANGLES},
       {"dielectric", [](World& w) { add_material(w, dielectric(1.5)); }, FEATURE_DIELECTRIC | FEATURE_TRIANGLES},
+      {"oren nayar", [](World& w) { add_material(w, of_kind(MATERIAL_OREN_NAYAR)); }, FEATURE_OREN_NAYAR | FEATURE_TRIANGLES},
+      {"oren nayar, qualitative", [](World& w) { add_material(w, of_kind(MATERIAL_OREN_NAYAR_FAST)); }, FEATURE_OREN_NAYAR_FAST | FEATURE_TRIANGLES},
+      {"disney", [](World& w) { add_material(w, of_kind(MATERIAL_DISNEY)); }, FEATURE_DISNEY | FEATURE_TRIANGLES},
+      {"thin dielectric", [](World& w) { add_material(w, of_kind(MATERIAL_THIN_DIELECTRIC)); }, FEATURE_THIN_DIELECTRIC | FEATURE_TRIANGLES},
       {"back side", [](World& w) { add_material(w, diffuse(0.5)), w.materials.push_back(mirror(1.0)), w.shapes[0].material_back = 1; },
        FEATURE_DIFFUSE | FEATURE_MIRROR | FEATURE_TRIANGLES},
       {"smooth", [](World& w) { add_material(w, diffuse(0.5)), w.shapes[0].mesh.normals.assign(w.shapes[0].mesh.positions.size(), {0, 0, 1}); },
@@ -58,7 +62,7 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"closed lens", [](World& w) { w.camera.focus_distance = 2.0; }, 0},
       {"orthographic", [](World& w) { w.camera.orthographic = true; }, FEATURE_ORTHOGRAPHIC},
       {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS}};
-  std::uint32_t all = 0;
+  Features all = 0;
   for (const Row& row : rows) {
     World world;
     row.add(world);

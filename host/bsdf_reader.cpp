@@ -1,5 +1,6 @@
 #include "bsdf_reader.h"
 
+#include "bsdf_wrapper.h"
 #include "conductors.h"
 #include "property.h"
 #include "refractive_indices.h"
@@ -12,20 +13,32 @@ constexpr double MAX_INDEX = 1e6;
 
 packed_float3 packed(glm::dvec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
-void refuse_children(const Element& element) {
-  if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));
+// An element and where what it names is found.
+struct Source {
+  Document& document;
+  std::uint32_t index;
+  KnownTextures& textures;
+  World& world;
+  Element& element() const { return document.elements[index]; }
+};
+
+// A colour in [0, 1], or the texture that takes its place.
+void read_reflectance(const Source& source, const std::string& name, double missing, packed_float3& constant, uint& texture) {
+  texture = texture_property(source.document, source.index, name, source.textures, source.world);
+  if (texture == 0) constant = packed(reflectance_property(source.element(), name, missing));
 }
 
-Material diffuse(Element& element) {
+Material diffuse(const Source& source) {
   Material material{};
   material.kind = MATERIAL_DIFFUSE;
-  material.reflectance = packed(reflectance_property(element, "reflectance", 0.5));
+  read_reflectance(source, "reflectance", 0.5, material.reflectance, material.reflectance_texture);
   return material;
 }
 
-Material conductor(Element& element) {
+Material conductor(const Source& source) {
+  Element& element = source.element();
   Material material{};
-  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
   const auto name = string_property(element, "material").value_or("none");
   const bool has_indices = has_property(element, "eta") || has_property(element, "k");
   if (name != "none") {
@@ -73,11 +86,12 @@ double refractive_index(Element& element, const std::string& name, const std::st
   return *value;
 }
 
-Material dielectric(Element& element) {
+Material dielectric(const Source& source) {
+  Element& element = source.element();
   Material material{};
   material.kind = MATERIAL_DIELECTRIC;
-  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
-  material.transmittance = packed(reflectance_property(element, "specular_transmittance", 1.0));
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
+  read_reflectance(source, "specular_transmittance", 1.0, material.transmittance, material.transmittance_texture);
   const double eta = refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air");
   if (!(eta >= 1.0 / MAX_INDEX && eta <= MAX_INDEX))
     refuse(where_is(element, "ext_ior"),
@@ -86,49 +100,33 @@ Material dielectric(Element& element) {
   return material;
 }
 
-SurfaceMaterials twosided(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  const auto& element = document.elements[index];
-  if (element.children.empty() || element.children.size() > 2)
-    refuse(element.where, describe(element) + " holds " + std::to_string(element.children.size()) +
-                              " objects, one or two <bsdf> are expected");
-  SurfaceMaterials sides[2];
-  for (std::size_t i = 0; i < element.children.size(); ++i) {
-    const auto& child = element.children[i];
-    if (document.elements[child.element].tag != "bsdf")
-      refuse(child.where, describe(document.elements[child.element]) + " is not supported in " + describe(element) +
-                              " (supported: bsdf)");
-    sides[i] = read_bsdf(document, child.element, known, world);
-    if (world.materials[sides[i].front].kind == MATERIAL_DIELECTRIC)
-      refuse(child.where, describe(document.elements[child.element]) + " lets light through and cannot be nested in " +
-                              describe(element));
-  }
-  return {sides[0].front, sides[element.children.size() - 1].front};
-}
-
 }  // namespace
 
 SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  if (const auto found = known.find(index); found != known.end()) return found->second;
+  if (const auto found = known.elements.find(index); found != known.elements.end()) return found->second;
   auto& element = document.elements[index];
   SurfaceMaterials result;
-  if (element.type == "twosided") {
-    result = twosided(document, index, known, world);
+  if (is_wrapper(element)) {
+    result = read_wrapper(document, index, known, world);
   } else {
+    const Source source{document, index, known.textures, world};
     Material material;
     if (element.type == "diffuse")
-      material = diffuse(element);
+      material = diffuse(source);
     else if (element.type == "conductor")
-      material = conductor(element);
+      material = conductor(source);
     else if (element.type == "dielectric")
-      material = dielectric(element);
+      material = dielectric(source);
     else
-      refuse(element.where, describe(element) + " is not supported (supported: conductor, dielectric, diffuse, twosided)");
-    refuse_children(element);
+      refuse(element.where, describe(element) +
+                                " is not supported (supported: blendbsdf, bumpmap, conductor, dielectric, diffuse, mask, "
+                                "normalmap, twosided)");
+    refuse_unasked_children(document, element);
     result.front = static_cast<uint>(world.materials.size());
     if (material.kind == MATERIAL_DIELECTRIC) result.back = result.front;
     world.materials.push_back(material);
   }
-  known[index] = result;
+  known.elements[index] = result;
   return result;
 }
 

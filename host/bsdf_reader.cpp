@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "bsdf_wrapper.h"
 #include "conductors.h"
 #include "property.h"
 #include "refractive_indices.h"
@@ -14,12 +15,19 @@ constexpr double MAX_INDEX = 1e6;
 
 packed_float3 packed(glm::dvec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
-void refuse_children(const Element& element) {
-  if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));
-}
+// An element and where what it names is found.
+struct Source {
+  Document& document;
+  std::uint32_t index;
+  KnownTextures& textures;
+  World& world;
+  Element& element() const { return document.elements[index]; }
+};
 
-packed_float3 colour(Element& element, const std::string& name, double missing) {
-  return packed(reflectance_property(element, name, missing));
+// A colour in [0, 1], or the texture that takes its place.
+void read_reflectance(const Source& source, const std::string& name, double missing, packed_float3& constant, uint& texture) {
+  texture = texture_property(source.document, source.index, name, source.textures, source.world);
+  if (texture == 0) constant = packed(reflectance_property(source.element(), name, missing));
 }
 
 double number_between(Element& element, const std::string& name, double missing, double least, double greatest, const char* range) {
@@ -29,21 +37,29 @@ double number_between(Element& element, const std::string& name, double missing,
   return value;
 }
 
-Material diffuse(Element& element) {
+// A number, or the texture that it becomes a factor of: `scale` times what the scene file says.
+void read_roughness(const Source& source, const std::string& name, double missing, double most, const char* range, double scale,
+                    Material& material) {
+  material.roughness_texture = texture_property(source.document, source.index, name, source.textures, source.world);
+  const double value = material.roughness_texture != 0 ? 1.0 : number_between(source.element(), name, missing, 0.0, most, range);
+  material.roughness = static_cast<float>(scale * value);
+}
+
+Material diffuse(const Source& source) {
   Material material{};
   material.kind = MATERIAL_DIFFUSE;
-  material.reflectance = colour(element, "reflectance", 0.5);
+  read_reflectance(source, "reflectance", 0.5, material.reflectance, material.reflectance_texture);
   return material;
 }
 
 // Mitsuba 0.6's: alpha is the roughness of a Beckmann distribution, sigma that of Oren and Nayar.
 constexpr double SIGMA_OF_ALPHA = 0.70710678118654752;
 
-Material rough_diffuse(Element& element) {
+Material rough_diffuse(const Source& source) {
   Material material{};
-  material.kind = boolean_property(element, "use_fast_approx", false) ? MATERIAL_OREN_NAYAR_FAST : MATERIAL_OREN_NAYAR;
-  material.reflectance = colour(element, "reflectance", 0.5);
-  material.roughness = static_cast<float>(SIGMA_OF_ALPHA * number_between(element, "alpha", 0.2, 0.0, 2.0, "[0, 2]"));
+  material.kind = boolean_property(source.element(), "use_fast_approx", false) ? MATERIAL_OREN_NAYAR_FAST : MATERIAL_OREN_NAYAR;
+  read_reflectance(source, "reflectance", 0.5, material.reflectance, material.reflectance_texture);
+  read_roughness(source, "alpha", 0.2, 2.0, "[0, 2]", SIGMA_OF_ALPHA, material);
   return material;
 }
 
@@ -57,7 +73,8 @@ void require_number(Element& element, const std::string& name, double missing, d
 }
 
 // The diffuse part of Disney's model alone: all the others must be off. `specular`, or `eta` in its place, is on by default.
-Material principled(Element& element) {
+Material principled(const Source& source) {
+  Element& element = source.element();
   if (has_property(element, "eta")) {
     if (has_property(element, "specular"))
       refuse(where_is(element, "eta"), "\"eta\" of " + describe(element) + " excludes \"specular\"");
@@ -72,14 +89,15 @@ Material principled(Element& element) {
     number_property(element, name, 1.0);  // of its noise alone
   Material material{};
   material.kind = MATERIAL_DISNEY;
-  material.reflectance = colour(element, "base_color", 0.5);
-  material.roughness = static_cast<float>(number_between(element, "roughness", 0.5, 0.0, 1.0, "[0, 1]"));
+  read_reflectance(source, "base_color", 0.5, material.reflectance, material.reflectance_texture);
+  read_roughness(source, "roughness", 0.5, 1.0, "[0, 1]", 1.0, material);
   return material;
 }
 
-Material conductor(Element& element) {
+Material conductor(const Source& source) {
+  Element& element = source.element();
   Material material{};
-  material.reflectance = colour(element, "specular_reflectance", 1.0);
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
   const auto name = string_property(element, "material").value_or("none");
   const bool has_indices = has_property(element, "eta") || has_property(element, "k");
   if (name != "none") {
@@ -128,11 +146,12 @@ double refractive_index(Element& element, const std::string& name, const std::st
 }
 
 // Smooth or thin: what is named alike is alike.
-Material dielectric(Element& element, MaterialKind kind) {
+Material dielectric(const Source& source, MaterialKind kind) {
+  Element& element = source.element();
   Material material{};
   material.kind = kind;
-  material.reflectance = colour(element, "specular_reflectance", 1.0);
-  material.transmittance = colour(element, "specular_transmittance", 1.0);
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
+  read_reflectance(source, "specular_transmittance", 1.0, material.transmittance, material.transmittance_texture);
   const double eta = refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air");
   if (!(eta >= 1.0 / MAX_INDEX && eta <= MAX_INDEX))
     refuse(where_is(element, "ext_ior"),
@@ -145,57 +164,39 @@ bool lets_light_through(const Material& material) {
   return material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN_DIELECTRIC;
 }
 
-SurfaceMaterials twosided(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  const auto& element = document.elements[index];
-  if (element.children.empty() || element.children.size() > 2)
-    refuse(element.where, describe(element) + " holds " + std::to_string(element.children.size()) +
-                              " objects, one or two <bsdf> are expected");
-  SurfaceMaterials sides[2];
-  for (std::size_t i = 0; i < element.children.size(); ++i) {
-    const auto& child = element.children[i];
-    if (document.elements[child.element].tag != "bsdf")
-      refuse(child.where, describe(document.elements[child.element]) + " is not supported in " + describe(element) +
-                              " (supported: bsdf)");
-    sides[i] = read_bsdf(document, child.element, known, world);
-    if (lets_light_through(world.materials[sides[i].front]))
-      refuse(child.where, describe(document.elements[child.element]) + " lets light through and cannot be nested in " +
-                              describe(element));
-  }
-  return {sides[0].front, sides[element.children.size() - 1].front};
-}
-
 }  // namespace
 
 SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  if (const auto found = known.find(index); found != known.end()) return found->second;
+  if (const auto found = known.elements.find(index); found != known.elements.end()) return found->second;
   auto& element = document.elements[index];
   SurfaceMaterials result;
-  if (element.type == "twosided") {
-    result = twosided(document, index, known, world);
+  if (is_wrapper(element)) {
+    result = read_wrapper(document, index, known, world);
   } else {
+    const Source source{document, index, known.textures, world};
     Material material;
     if (element.type == "diffuse")
-      material = diffuse(element);
+      material = diffuse(source);
     else if (element.type == "conductor")
-      material = conductor(element);
+      material = conductor(source);
     else if (element.type == "dielectric")
-      material = dielectric(element, MATERIAL_DIELECTRIC);
+      material = dielectric(source, MATERIAL_DIELECTRIC);
     else if (element.type == "thindielectric")
-      material = dielectric(element, MATERIAL_THIN_DIELECTRIC);
+      material = dielectric(source, MATERIAL_THIN_DIELECTRIC);
     else if (element.type == "roughdiffuse")
-      material = rough_diffuse(element);
+      material = rough_diffuse(source);
     else if (element.type == "principled")
-      material = principled(element);
+      material = principled(source);
     else
       refuse(element.where, describe(element) +
-                                " is not supported (supported: conductor, dielectric, diffuse, principled, roughdiffuse, "
-                                "thindielectric, twosided)");
-    refuse_children(element);
+                                " is not supported (supported: blendbsdf, bumpmap, conductor, dielectric, diffuse, mask, "
+                                "normalmap, principled, roughdiffuse, thindielectric, twosided)");
+    refuse_unasked_children(document, element);
     result.front = static_cast<uint>(world.materials.size());
     if (lets_light_through(material)) result.back = result.front;
     world.materials.push_back(material);
   }
-  known[index] = result;
+  known.elements[index] = result;
   return result;
 }
 

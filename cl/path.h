@@ -104,7 +104,7 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
   // The very point from which a scattered ray on this side starts: both strategies then see the light from the same place.
   float3 origin = surface_offset(surface->position, surface->error, surface->geometric, surface->geometric);
   LightSample sample =
-      light_sample(scene, &light, origin, rng_2d(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
+      light_sample(scene, &light, origin, rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
   float3 wi = frame_to_local(surface->frame, sample.direction);
   if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
   float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;

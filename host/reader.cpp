@@ -32,9 +32,9 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
       read_bsdf(document, child.element, context.bsdfs, world);
     } else if (element.tag == "emitter") {
       // An area light that stands alone to be referred to by a shape shines there.
-      if (element.type != "area") read_light(element, world);
+      if (element.type != "area") read_light(document, child.element, context.bsdfs.textures, world);
     } else if (element.tag == "texture") {
-      read_texture(document, child.element, context.textures, world);
+      read_texture(document, child.element, context.bsdfs.textures, world);
     } else if (element.tag == "integrator") {
       if (std::exchange(has_integrator, true)) refuse(child.where, "<scene> has more than one <integrator>");
       read_integrator(document, child.element, world);

@@ -135,7 +135,7 @@ void read_children(Document& document, std::uint32_t index, ShapeContext& contex
         refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: area)");
       if (!context.used_lights.insert(child.element).second)
         refuse(child.where, describe(nested) + " at " + nested.where + " already lies on another shape");
-      shape.radiance = read_area_light(nested);
+      read_area_light(document, child.element, context.bsdfs.textures, world, shape);
     } else {
       refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: bsdf, emitter)");
     }

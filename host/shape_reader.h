@@ -29,7 +29,6 @@ struct ShapeInstance {
 // What shapes share with each other while a scene is read.
 struct ShapeContext {
   KnownBsdfs bsdfs;
-  KnownTextures textures;
   std::optional<SurfaceMaterials> default_materials[2];  // of shapes that do not emit, and that do
   std::set<std::uint32_t> used_lights;                   // area lights that lie on a shape
   std::uint64_t triangle_count = 0, quadric_count = 0;

@@ -480,6 +480,50 @@ TEST(reader_test, directional_light_travels_along_its_direction_or_the_z_of_its_
               {0, -1, 0}, 1e-15);
 }
 
+TEST(reader_test, spot_is_a_cone_along_the_z_of_its_transform) {  // measured
+  const auto plain = light("<emitter type=\"spot\"/>");
+  EXPECT_EQ(plain.kind, LIGHT_SPOT);
+  expect_near(plain.value, {1, 1, 1}, 0);
+  expect_near(plain.axis, {0, 0, 1}, 0);
+  EXPECT_EQ(plain.cutoff_angle, 20.0);
+  EXPECT_EQ(plain.beam_width, 15.0);
+  const auto placed = light("<emitter type=\"spot\"><float name=\"cutoff_angle\" value=\"40\"/><transform name=\"to_world\"><scale value=\"3\"/>"
+                            "<rotate x=\"1\" angle=\"90\"/><translate x=\"4\"/></transform></emitter>");
+  expect_near(placed.axis, {0, -1, 0}, 1e-15);
+  expect_near(placed.position, {4, 0, 0}, 0);
+  EXPECT_EQ(placed.beam_width, 30.0);
+  EXPECT_EQ(light("<emitter type=\"spot\"><integer name=\"beam_width\" value=\"0\"/></emitter>").beam_width, 0.0);
+}
+
+const std::filesystem::path MAP = std::filesystem::path(OCLAIR_TEST_DIRECTORY) / "data" / "bad" / "environment.png";  // 2 x 3
+
+TEST(reader_test, environment_map_has_a_scale_and_a_rotation) {
+  const std::string file = "<string name=\"filename\" value=\"" + MAP.string() + "\"/>";
+  const auto plain = light("<emitter type=\"envmap\">" + file + "</emitter>");
+  EXPECT_EQ(plain.kind, LIGHT_ENVIRONMENT);
+  expect_near(plain.value, {1, 1, 1}, 0);
+  EXPECT_EQ(plain.rotation, glm::dmat3(1.0));
+  ASSERT_TRUE(plain.image);
+  EXPECT_EQ(plain.image->width, 2u);
+  EXPECT_EQ(plain.image->height, 3u);
+  EXPECT_TRUE(plain.image->srgb);
+  // The translation does nothing; a mirror is one.
+  const auto turned = light("<emitter type=\"envmap\">" + file + "<float name=\"scale\" value=\"2.5\"/><transform name=\"to_world\"><scale x=\"-1\"/>"
+                            "<rotate y=\"1\" angle=\"90\"/><translate z=\"7\"/></transform></emitter>");
+  expect_near(turned.value, {2.5, 2.5, 2.5}, 0);
+  expect_near(turned.rotation * glm::dvec3(1, 0, 0), {0, 0, 1}, 1e-15);
+  expect_near(turned.rotation * glm::dvec3(0, 0, 1), {1, 0, 0}, 1e-15);
+  EXPECT_EQ(light("<emitter type=\"envmap\">" + file + "<float name=\"scale\" value=\"0\"/></emitter>").value.x, 0.0);
+}
+
+TEST(reader_test, area_light_takes_a_texture_as_its_radiance) {
+  const auto world = world_of("<shape type=\"disk\"><emitter type=\"area\"><texture type=\"checkerboard\" name=\"radiance\"/></emitter></shape>");
+  ASSERT_EQ(world.textures.size(), 1u);
+  EXPECT_EQ(world.shapes[0].radiance_texture, 1u);
+  EXPECT_TRUE(world.shapes[0].radiance);
+  EXPECT_EQ(shape("<shape type=\"disk\"><emitter type=\"area\"/></shape>").radiance_texture, 0u);
+}
+
 TEST(reader_test, area_light_gives_its_radiance_to_its_shape) {
   const auto s =
       shape("<shape type=\"disk\"><emitter type=\"area\"><rgb name=\"radiance\" value=\"1 2 3\"/></emitter></shape>");

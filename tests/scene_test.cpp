@@ -1,4 +1,5 @@
 // What a world becomes on its way to the device: features, lights, shapes, what is left out.
+#include <cstring>
 #include <functional>
 
 #include "lights.h"
@@ -21,6 +22,20 @@ WorldShape& add_quadric(World& world, Geometry geometry, double radiance) {
 }
 
 void add_material(World& world, const Material& material) { add_box(add_shape(world, material, Sides::front).mesh, {-1, -1, -1}, {1, 1, 1}); }
+
+// One texel.
+void add_map(World& world, float value) {
+  Image image{1, 1, 1, TEXEL_FLOAT, false, std::vector<std::byte>(sizeof value)};
+  std::memcpy(image.texels.data(), &value, sizeof value);
+  world.lights.push_back({LIGHT_ENVIRONMENT, glm::dvec3(1.0), {}});
+  world.lights.back().image = std::make_shared<const Image>(image);
+}
+
+void add_radiance_texture(World& world) {
+  world.textures.emplace_back().kind = TEXTURE_CHECKERBOARD;
+  world.shapes[0].radiance = glm::dvec3(1.0);
+  world.shapes[0].radiance_texture = 1;
+}
 
 Material of_kind(MaterialKind kind) {
   Material m = diffuse(1.0);
@@ -57,6 +72,13 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"point", [](World& w) { w.lights.push_back({LIGHT_POINT, glm::dvec3(1.0), {}}); }, FEATURE_POINT_LIGHTS},
       {"directional", [](World& w) { w.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(1.0), {0, 0, 1}}); }, FEATURE_DIRECTIONAL_LIGHTS},
       {"constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(1.0), {}}); }, FEATURE_CONSTANT_LIGHT},
+      {"spot", [](World& w) { w.lights.push_back({LIGHT_SPOT, glm::dvec3(1.0), {}}); }, FEATURE_SPOT_LIGHTS},
+      {"environment map", [](World& w) { add_map(w, 1.0f); }, FEATURE_ENVIRONMENT_MAP},
+      {"black environment map", [](World& w) { add_map(w, 0.0f); }, 0},
+      {"textured triangle light", [](World& w) { add_material(w, diffuse(0.5)), add_radiance_texture(w); },
+       FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_TRIANGLE_LIGHTS | FEATURE_TEXTURED_LIGHTS | FEATURE_CHECKERBOARDS},
+      {"textured disk light", [](World& w) { add_quadric(w, Geometry::disk, 0), add_radiance_texture(w); },
+       FEATURE_DIFFUSE | FEATURE_DISKS | FEATURE_QUADRIC_LIGHTS | FEATURE_TEXTURED_LIGHTS | FEATURE_CHECKERBOARDS},
       {"black constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(0.0), {}}); }, 0},
       {"lens", [](World& w) { w.camera.aperture_radius = 0.1; }, FEATURE_THIN_LENS},
       {"closed lens", [](World& w) { w.camera.focus_distance = 2.0; }, 0},

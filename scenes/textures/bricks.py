@@ -12,7 +12,7 @@ from png import normal_color, write_png
 SIZE, COLUMNS, COURSES = 256, 3, 8
 MORTAR = 2.2      # half its width, pixels
 EDGE = 3.5        # over which a brick rises, pixels
-RISE = 4.0        # of a brick over the mortar, pixels
+RISE = 5.0        # of a brick over the mortar, pixels
 
 random = Random(11)
 

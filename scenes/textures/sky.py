@@ -7,7 +7,7 @@ again; it is the same every time."""
 import struct
 
 WIDTH, HEIGHT = 160, 80
-ZENITH, HORIZON, GROUND = (0.16, 0.26, 0.48), (0.7, 0.68, 0.66), (0.16, 0.14, 0.12)
+ZENITH, HORIZON, GROUND = (0.16, 0.26, 0.48), (0.54, 0.66, 0.86), (0.16, 0.14, 0.12)
 # longitude and latitude of the middle, half widths, width of the edge, all in degrees; radiance
 BOXES = [((60, 42), (22, 20), 5, (15, 13.5, 11)), ((-115, 30), (8, 26), 4, (7, 8, 10)), ((165, 55), (24, 8), 5, (6, 6, 6))]
 

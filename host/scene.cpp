@@ -248,7 +248,8 @@ void finish_lights(Scene& scene, const Lights& lights) {
 
 // How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,
 // which lies in [-1, 1]^3. Negative: some start beyond its beginning.
-double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y, const glm::dvec3& axis) {
+double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y,
+                const glm::dvec3& axis) {
   const glm::dvec3 reach = glm::abs(axis);
   double way = std::numeric_limits<double>::infinity();
   for (const double x : {-film.filter_radius, film.width + film.filter_radius})

@@ -290,8 +290,10 @@ Camera place_camera(const WorldCamera& source, const WorldFilm& film, const Cano
   camera.step_x = pack(step_x);
   camera.step_y = pack(step_y);
   camera.axis = pack(axis);
-  camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
-  camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  if (source.aperture_radius > 0.0) {
+    camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
+    camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  }
   camera.near_clip = static_cast<float>(near_clip);
   camera.far_clip = static_cast<float>(far_clip);
   return camera;

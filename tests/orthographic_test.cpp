@@ -121,11 +121,14 @@ TEST(orthographic_test, neighbouring_pixels_of_a_film_of_a_hundredth_have_distin
 // and nothing before the near plane or behind the far one is.
 TEST(orthographic_test, rays_that_begin_outside_the_scene_keep_all_of_it_between_the_clip_planes) {
   Random random(3);
+  std::size_t met = 0;
   for (int k = 0; k < 60; ++k) {
     const glm::dvec3 from = random.in_cube(k % 3 == 0 ? 1.0 : k % 3 == 1 ? 4.0 : 300.0);
-    glm::dvec3 d = random.direction();
+    glm::dvec3 d = glm::normalize(random.in_cube(1.0) - from);
     if (k % 5 == 0) d = {k % 2 ? 1.0 : -1.0, 0.0, 0.0};
     World world = view(pose(from, from + d), 6.0, 16, 16);
+    if (k % 4 == 1)  // the film leans: its points lie at different depths
+      for (int column = 0; column < 2; ++column) world.camera.to_world[column] += 0.7 * world.camera.to_world[2];
     world.camera.near_clip = random.log_between(1e-3, 10.0);
     world.camera.far_clip = world.camera.near_clip + random.log_between(0.1, 1e3);
     const Film2 film = positions(world, count_or_small(500, 10), 100 + static_cast<unsigned>(k));
@@ -140,6 +143,7 @@ TEST(orthographic_test, rays_that_begin_outside_the_scene_keep_all_of_it_between
       }
       const double slack = 1e-4;  // rays that graze the box, and rounding: the film is 12 wide, 300 away
       if (enter > leave - slack) continue;
+      ++met;
       const double start = glm::dot(unpacked(all[i].origin) - p, axis), end = start + static_cast<double>(all[i].t_max);
       EXPECT_LE(start, enter + 1e-5);
       EXPECT_GE(start, world.camera.near_clip - 1e-5);
@@ -149,6 +153,7 @@ TEST(orthographic_test, rays_that_begin_outside_the_scene_keep_all_of_it_between
                 1.0f + 0x1p-14f);
     }
   }
+  EXPECT_GE(met, count_or_small(300, 3));
 }
 
 // Measured in Mitsuba 3.9.1: 8x4 pixels; film (0, 0), (1, 0) and (0, 1) under a to_world that scales by 3 and moves to (1,

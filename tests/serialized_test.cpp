@@ -247,6 +247,7 @@ TEST(serialized_test, what_is_broken_is_named) {
   const std::string whole = shape({});
   EXPECT_EQ(refusal(whole.substr(0, 4) + "no zlib stream"), "its compressed data are damaged");
   EXPECT_EQ(refusal(whole.substr(0, whole.size() - 1)), "its compressed data break off");
+  EXPECT_EQ(refusal(whole + little_endian(1000000, 4), 1), "its dictionary breaks off");
 }
 
 // Not one byte is taken for what a file of this size cannot hold.

@@ -30,9 +30,12 @@ Mesh moved(const Mesh& mesh, const glm::dmat4& matrix) {
 
 std::optional<PlacedQuadric> moved_quadric(Geometry geometry, const glm::dmat4& matrix) {
   switch (geometry) {
-    case Geometry::sphere: return place_sphere(matrix);
-    case Geometry::cylinder: return place_cylinder(matrix);
-    default: return place_disk(matrix);
+    case Geometry::sphere:
+      return place_sphere(matrix);
+    case Geometry::cylinder:
+      return place_cylinder(matrix);
+    default:
+      return place_disk(matrix);
   }
 }
 

@@ -151,7 +151,8 @@ void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, st
 
 // How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,
 // which lies in [-1, 1]^3. Negative: some start beyond its beginning.
-double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y, const glm::dvec3& axis) {
+double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y,
+                const glm::dvec3& axis) {
   const glm::dvec3 reach = glm::abs(axis);
   double way = std::numeric_limits<double>::infinity();
   for (const double x : {-film.filter_radius, film.width + film.filter_radius})
@@ -192,8 +193,10 @@ Camera place_camera(const WorldCamera& source, const WorldFilm& film, const Cano
   camera.step_x = pack(step_x);
   camera.step_y = pack(step_y);
   camera.axis = pack(axis);
-  camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
-  camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  if (source.aperture_radius > 0.0) {
+    camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
+    camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  }
   camera.near_clip = static_cast<float>(near_clip);
   camera.far_clip = static_cast<float>(far_clip);
   return camera;

@@ -1,8 +1,8 @@
-// Mitsuba's serialized meshes, little-endian (documentation of its plugin "serialized"): for each shape a header of two 16-bit
-// words, 0x041C and the version (3 or 4), and a zlib stream; after all of them their offsets in the file (32 bits in version
-// 3, 64 in version 4) and how many there are. The stream: flags; in version 4 a name that ends with a zero; two 64-bit
-// counts, of vertices and triangles; positions; normals, texture coordinates and colours if a flag says so; three indices for
-// each triangle.
+// Mitsuba's serialized meshes, little-endian (documentation of its plugin "serialized"): for each shape a header of two
+// 16-bit words, 0x041C and the version (3 or 4), and a zlib stream; after all of them their offsets in the file (32 bits in
+// version 3, 64 in version 4) and how many there are. The stream: flags; in version 4 a name that ends with a zero; two
+// 64-bit counts, of vertices and triangles; positions; normals, texture coordinates and colours if a flag says so; three
+// indices for each triangle.
 #include <zlib.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::uint64_t MAGIC = 0x041C;
 enum Flag : std::uint32_t { NORMALS = 0x1, UVS = 0x2, COLORS = 0x8, DOUBLE_PRECISION = 0x2000 };  // Mitsuba reads no others
-constexpr std::size_t MAX_NAME = 1 << 16;        // bytes
-constexpr std::uint64_t GREATEST_RATIO = 1032;   // of a deflate stream (zlib's technical details): 258 bytes from two bits
+constexpr std::size_t MAX_NAME = 1 << 16;                                                         // bytes
+constexpr std::uint64_t GREATEST_RATIO = 1032;  // of a deflate stream (zlib's technical details): 258 bytes from two bits
 
 [[noreturn]] void fail(const std::string& what) { throw MeshFileError(what); }
 

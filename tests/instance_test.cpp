@@ -19,7 +19,8 @@ glm::dvec3 front_of(const Mesh& mesh, std::size_t i) {
 std::string group(const std::string& shapes) { return "<shape type=\"shapegroup\" id=\"g\">" + shapes + "</shape>"; }
 
 std::string instance(const std::string& steps = "") {
-  return "<shape type=\"instance\"><ref id=\"g\"/>" + (steps.empty() ? "" : "<transform name=\"to_world\">" + steps + "</transform>") + "</shape>";
+  return "<shape type=\"instance\"><ref id=\"g\"/>" +
+         (steps.empty() ? "" : "<transform name=\"to_world\">" + steps + "</transform>") + "</shape>";
 }
 
 const std::string MIRROR_X = "<scale x=\"-1\" y=\"1\" z=\"1\"/>", MIRROR_Z = "<scale x=\"1\" y=\"1\" z=\"-1\"/>";
@@ -35,7 +36,8 @@ glm::dmat4 random_matrix(Random& random) {
 
 // A rotation, a scale of all axes alike, a mirror in every second one, and a shift.
 glm::dmat4 random_similarity(Random& random, bool mirror) {
-  glm::dmat4 m = translation(random.in_cube(3.0)) * glm::dmat4(frame_around(glm::normalize(random.in_cube(1.0)))) * scaling(glm::dvec3(0.5 + std::abs(random.in_cube(1.0).x)));
+  glm::dmat4 m = translation(random.in_cube(3.0)) * glm::dmat4(frame_around(glm::normalize(random.in_cube(1.0)))) *
+                 scaling(glm::dvec3(0.5 + std::abs(random.in_cube(1.0).x)));
   return mirror ? m * scaling({1, -1, 1}) : m;
 }
 
@@ -73,7 +75,9 @@ TEST(instance_test, a_mesh_is_moved_and_its_front_goes_where_the_inverse_transpo
     for (std::size_t t = 0; t < source.mesh.triangles.size(); ++t) {
       // With vertex normals the front is theirs, also where a flat map has turned them from the side of the triangle's own.
       glm::dvec3 front = inverse_transpose * front_of(source.mesh, t);
-      if (smooth) front = copy.mesh.normals[source.mesh.triangles[t].x] + copy.mesh.normals[source.mesh.triangles[t].y] + copy.mesh.normals[source.mesh.triangles[t].z];
+      if (smooth)
+        front = copy.mesh.normals[source.mesh.triangles[t].x] + copy.mesh.normals[source.mesh.triangles[t].y] +
+                copy.mesh.normals[source.mesh.triangles[t].z];
       EXPECT_GT(glm::dot(front_of(copy.mesh, t), front), 0.0) << i;
     }
   }
@@ -93,7 +97,9 @@ TEST(instance_test, a_quadric_is_the_image_of_its_points_with_the_same_side_in_f
       for (int k = 0; k < 8; ++k) {
         const double phi = 0.7 * k, h = 0.125 * k;
         const glm::dvec3 rim(std::cos(phi), std::sin(phi), 0.0);
-        const glm::dvec3 p = geometry == Geometry::sphere ? glm::normalize(random.in_cube(1.0)) : geometry == Geometry::disk ? rim : rim + h * Z;
+        const glm::dvec3 p = geometry == Geometry::sphere ? glm::normalize(random.in_cube(1.0))
+                             : geometry == Geometry::disk ? rim
+                                                          : rim + h * Z;
         const glm::dvec3 q(glm::inverse(copy.to_world) * m * source.to_world * glm::dvec4(p, 1.0));
         EXPECT_NEAR(glm::length(geometry == Geometry::sphere ? q : glm::dvec3(q.x, q.y, 0.0)), 1.0, 1e-10);
         if (geometry != Geometry::sphere) {
@@ -101,7 +107,8 @@ TEST(instance_test, a_quadric_is_the_image_of_its_points_with_the_same_side_in_f
         }
       }
       if (geometry == Geometry::disk) {
-        const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(glm::dmat3(m))) * glm::dvec3(source.to_world[2]));
+        const glm::dvec3 normal =
+            glm::normalize(glm::transpose(glm::inverse(glm::dmat3(m))) * glm::dvec3(source.to_world[2]));
         expect_near(glm::normalize(glm::dvec3(copy.to_world[2])), normal, 1e-12);
       }
     }
@@ -115,12 +122,14 @@ TEST(instance_test, what_would_be_no_sphere_or_cylinder_is_none) {
   EXPECT_TRUE(instance_of(quadric(Geometry::disk, glm::dmat4(1.0)), scaling({2, 1, 1})));
 }
 
-// Measured in Mitsuba 3.9.1, with a ray from +z: unlike a mirror in the shape's own to_world, one in the instance keeps the front of
-// a mesh without normals and of a sphere.
+// Measured in Mitsuba 3.9.1, with a ray from +z: unlike a mirror in the shape's own to_world, one in the instance keeps the
+// front of a mesh without normals and of a sphere.
 TEST(instance_test, fronts_are_those_of_mitsuba) {
   SceneDirectory directory;
   directory.write("a.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
-  const std::string obj = "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/><boolean name=\"face_normals\" value=\"true\"/></shape>";
+  const std::string obj =
+      "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/><boolean name=\"face_normals\" "
+      "value=\"true\"/></shape>";
   const auto front = [&](const std::string& shape, const std::string& steps) {
     return front_of(directory.read(SENSOR + group(shape) + instance(steps)).shapes[0].mesh, 0);
   };
@@ -137,7 +146,9 @@ TEST(instance_test, fronts_are_those_of_mitsuba) {
 TEST(instance_test, a_group_alone_places_nothing_and_each_instance_all_of_it) {
   const std::string two = "<shape type=\"rectangle\"/><shape type=\"sphere\"><bsdf type=\"conductor\"/></shape>";
   EXPECT_TRUE(world_of(group(two)).shapes.empty());
-  const World world = world_of(instance("<translate x=\"4\"/>") + group(two) + "<shape type=\"cube\"/>" + instance("<translate x=\"-4\"/>") + "<shape type=\"shapegroup\" id=\"empty\"/><shape type=\"instance\"><ref id=\"empty\"/></shape>");
+  const World world =
+      world_of(instance("<translate x=\"4\"/>") + group(two) + "<shape type=\"cube\"/>" + instance("<translate x=\"-4\"/>") +
+               "<shape type=\"shapegroup\" id=\"empty\"/><shape type=\"instance\"><ref id=\"empty\"/></shape>");
   ASSERT_EQ(world.shapes.size(), 5u);
   EXPECT_EQ(world.shapes[0].mesh.triangles.size(), 12u);
   EXPECT_EQ(world.shapes[1].mesh.positions[0].x, 3.0);
@@ -148,7 +159,8 @@ TEST(instance_test, a_group_alone_places_nothing_and_each_instance_all_of_it) {
 }
 
 TEST(instance_test, a_transform_of_the_shape_comes_before_that_of_the_instance) {
-  const std::string shape = "<shape type=\"rectangle\"><transform name=\"to_world\"><translate x=\"1\"/></transform></shape>";
+  const std::string shape =
+      "<shape type=\"rectangle\"><transform name=\"to_world\"><translate x=\"1\"/></transform></shape>";
   const Mesh mesh = world_of(group(shape) + instance("<scale value=\"2\"/><translate y=\"3\"/>")).shapes[0].mesh;
   expect_near(mesh.positions[0], {0, 1, 0}, 0);
   expect_near(mesh.positions[2], {4, 5, 0}, 0);
@@ -163,6 +175,7 @@ TEST(instance_test, more_triangles_than_ids_are_refused_before_they_are_copied) 
     world_of(group(shapes) + "\n" + instances);
     FAIL() << "was accepted";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("the scene has more than 2^31 - 1 triangles"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("the scene has more than 2^31 - 1 triangles"), std::string::npos)
+        << error.what();
   }
 }

@@ -10,12 +10,14 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// A disk light of radius `radius` and radiance 1 at depth `depth` on the axis of a camera that looks along +z from the origin.
+// A disk light of radius `radius` and radiance 1 at depth `depth` on the axis of a camera that looks along +z from the
+// origin.
 World point_before_a_lens(double radius, double depth, double aperture, double focus, double tan_half_fov) {
   World world;
   WorldShape& light = add_black(world, glm::dvec3(1.0));
   light.geometry = Geometry::disk;
-  light.to_world = glm::dmat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, -radius, 0, 0), glm::dvec4(0, 0, -radius, 0), glm::dvec4(0, 0, depth, 1));
+  light.to_world = glm::dmat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, -radius, 0, 0), glm::dvec4(0, 0, -radius, 0),
+                              glm::dvec4(0, 0, depth, 1));
   look(world, {0, 0, 0}, {0, 0, 1}, {0, 1, 0}, tan_half_fov, 64, 64);
   world.integrator.max_depth = 1;
   world.camera.aperture_radius = aperture;
@@ -25,16 +27,17 @@ World point_before_a_lens(double radius, double depth, double aperture, double f
 
 // Distance from the axis of the nearest and farthest points of a pixel, in units of the light's plane.
 std::pair<double, double> reach(std::size_t pixel, double half_width) {
-  const double x = (static_cast<double>(pixel % 64) - 31.5) * half_width / 32.0, y = (static_cast<double>(pixel / 64) - 31.5) * half_width / 32.0;
+  const double x = (static_cast<double>(pixel % 64) - 31.5) * half_width / 32.0,
+               y = (static_cast<double>(pixel / 64) - 31.5) * half_width / 32.0;
   const double r = std::hypot(x, y), half_diagonal = half_width / 32.0 * std::sqrt(0.5);
   return {r - half_diagonal, r + half_diagonal};
 }
 
 }  // namespace
 
-// A ray through the lens point p and the point X f of the plane in focus crosses the light's plane at X d + p (1 - d / f): a small light
-// spreads over a disk of radius b = a |d - f| / f there. Where X d is less than b - r away from the axis the share of the lens that
-// sees the light is (r / b)^2; beyond b + r it is 0.
+// A ray through the lens point p and the point X f of the plane in focus crosses the light's plane at X d + p (1 - d / f): a
+// small light spreads over a disk of radius b = a |d - f| / f there. Where X d is less than b - r away from the axis the
+// share of the lens that sees the light is (r / b)^2; beyond b + r it is 0.
 TEST(lens_image, a_point_out_of_focus_is_a_disk_of_the_radius_of_the_thin_lens) {
   struct Row {
     double depth, focus, aperture;
@@ -42,7 +45,8 @@ TEST(lens_image, a_point_out_of_focus_is_a_disk_of_the_radius_of_the_thin_lens) 
   for (const Row& row : {Row{2.0, 1.0, 0.05}, Row{2.0, 4.0, 0.1}, Row{1.0, 1000.0, 0.05}}) {
     const double blur = row.aperture * std::abs(row.depth - row.focus) / row.focus, radius = blur / 8.0;
     const double half_width = 1.5 * blur;
-    const Film film = render_full(point_before_a_lens(radius, row.depth, row.aperture, row.focus, half_width / row.depth), 1024);
+    const Film film =
+        render_full(point_before_a_lens(radius, row.depth, row.aperture, row.focus, half_width / row.depth), 1024);
     EXPECT_EQ(rejected_samples(film), 0u);
     const double exact = radius * radius / (blur * blur);
     double sum = 0.0, all = 0.0, count = 0.0;
@@ -107,7 +111,8 @@ TEST(lens_image, scaling_the_world_by_a_power_of_two_changes_no_pixel) {
       const double scale = std::ldexp(1.0, 13 * i);
       World world;
       add_box(add_shape(world, diffuse(0.5), Sides::front).mesh, scale * glm::dvec3(-1), scale * glm::dvec3(1), true);
-      add_quad(add_shape(world, diffuse(0.2), Sides::both, 3.0).mesh, scale * glm::dvec3(-0.25, 0.5, 0), {0.5 * scale, 0, 0}, {0, 0, 0.5 * scale});
+      add_quad(add_shape(world, diffuse(0.2), Sides::both, 3.0).mesh, scale * glm::dvec3(-0.25, 0.5, 0), {0.5 * scale, 0, 0},
+               {0, 0, 0.5 * scale});
       look(world, scale * glm::dvec3(0, 0, -0.75), {0, 0, 0}, {0, 1, 0}, orthographic ? 0.5 * scale : 0.5, 32, 32);
       world.camera.orthographic = orthographic;
       world.camera.aperture_radius = orthographic ? 0.0 : 0.0625 * scale;
@@ -116,6 +121,7 @@ TEST(lens_image, scaling_the_world_by_a_power_of_two_changes_no_pixel) {
       world.camera.far_clip = 8.0 * scale;
       films[i] = render_full(world, 8);
     }
-    EXPECT_EQ(std::memcmp(films[0].pixels.data(), films[1].pixels.data(), films[0].pixels.size() * sizeof(FilmPixel)), 0) << orthographic;
+    EXPECT_EQ(std::memcmp(films[0].pixels.data(), films[1].pixels.data(), films[0].pixels.size() * sizeof(FilmPixel)), 0)
+        << orthographic;
   }
 }

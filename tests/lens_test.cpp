@@ -13,7 +13,8 @@ namespace {
 using real3 = glm::tvec3<long double>;
 using Square = std::array<float, 2>;
 
-World lens(double aperture_radius, double focus_distance, const glm::dvec3& from = {0.1, -0.2, 0.3}, const glm::dvec3& to = {0.7, 0.5, 0.1}) {
+World lens(double aperture_radius, double focus_distance, const glm::dvec3& from = {0.1, -0.2, 0.3},
+           const glm::dvec3& to = {0.7, 0.5, 0.1}) {
   World world;
   add_box(add_shape(world, diffuse(0.5), Sides::both).mesh, {-0.9, -0.9, -0.9}, {0.9, 0.9, 0.9});  // the identity frame
   look(world, from, to, {0, 0, 1}, 0.8, 64, 48);
@@ -51,26 +52,29 @@ std::vector<Ray> rays(const Scene& scene, const Inputs& in) {
 // Along the view, component 1 along the axis, as in camera_test.
 glm::dvec3 pinhole(const World& world, double x, double y) {
   const double half_x = world.camera.tan_half_fov_x, half_y = half_x * world.film.height / world.film.width;
-  return glm::dmat3(world.camera.to_world) * glm::dvec3((1.0 - 2.0 * x / world.film.width) * half_x, (1.0 - 2.0 * y / world.film.height) * half_y, 1.0);
+  return glm::dmat3(world.camera.to_world) *
+         glm::dvec3((1.0 - 2.0 * x / world.film.width) * half_x, (1.0 - 2.0 * y / world.film.height) * half_y, 1.0);
 }
 
 // Where the ray is at that depth along the camera's axis.
 real3 at_depth(const World& world, const Ray& ray, double depth) {
-  const real3 o(unpacked(ray.origin)), d(unpacked(ray.direction)), axis(world.camera.to_world[2]), center(world.camera.to_world[3]);
+  const real3 o(unpacked(ray.origin)), d(unpacked(ray.direction)), axis(world.camera.to_world[2]),
+      center(world.camera.to_world[3]);
   return o + d * ((static_cast<long double>(depth) - glm::dot(o - center, axis)) / glm::dot(d, axis));
 }
 
 // On the lens, in the camera's frame.
 glm::dvec2 on_lens(const World& world, const Ray& ray) {
   const real3 p = at_depth(world, ray, 0.0) - real3(world.camera.to_world[3]);
-  return {static_cast<double>(glm::dot(p, real3(world.camera.to_world[0]))), static_cast<double>(glm::dot(p, real3(world.camera.to_world[1])))};
+  return {static_cast<double>(glm::dot(p, real3(world.camera.to_world[0]))),
+          static_cast<double>(glm::dot(p, real3(world.camera.to_world[1])))};
 }
 
 }  // namespace
 
-// What a lens point is rounded to cancels: it is added to the origin and taken from the direction. What is left: the origin, rounded
-// four times (8 u of 1 + a); the direction before normalisation, 6 u of its parts (each at most 2 here) as in camera_test, the
-// division, subtraction and product 3 u of a / f + 2, normalising 4 u, all times the distance.
+// What a lens point is rounded to cancels: it is added to the origin and taken from the direction. What is left: the origin,
+// rounded four times (8 u of 1 + a); the direction before normalisation, 6 u of its parts (each at most 2 here) as in
+// camera_test, the division, subtraction and product 3 u of a / f + 2, normalising 4 u, all times the distance.
 TEST(lens_test, all_rays_of_a_film_point_meet_in_the_plane_of_focus) {
   for (const double aperture : {1e-6, 0.01, 0.25})
     for (const double focus : {0.1, 0.6, 1.7, 1000.0}) {
@@ -96,8 +100,9 @@ TEST(lens_test, all_rays_of_a_film_point_meet_in_the_plane_of_focus) {
     }
 }
 
-// Measured in Mitsuba 3.9.1, scalar_rgb: identity, 60 degrees, 8x4 pixels, aperture_radius 0.1, focus_distance 3, clip planes 1 and 5,
-// sample_ray of film (0, 0) and aperture sample (1, 0.5), whose lens point is (0.1, 0). Here +x of the film runs to -x.
+// Measured in Mitsuba 3.9.1, scalar_rgb: identity, 60 degrees, 8x4 pixels, aperture_radius 0.1, focus_distance 3, clip
+// planes 1 and 5, sample_ray of film (0, 0) and aperture sample (1, 0.5), whose lens point is (0.1, 0). Here +x of the film
+// runs to -x.
 TEST(lens_test, a_ray_is_that_of_mitsuba) {
   World world = lens(0.1, 3.0);
   world.camera.to_world = glm::dmat4(1.0);
@@ -150,22 +155,26 @@ TEST(lens_test, scaling_the_world_by_a_power_of_two_changes_no_ray) {
     World scaled = world;
     for (glm::dvec3& p : scaled.shapes[0].mesh.positions) p *= std::ldexp(1.0, k);
     scaled.camera.to_world[3] = glm::dvec4(std::ldexp(1.0, k) * glm::dvec3(world.camera.to_world[3]), 1.0);
-    for (double* length : {&scaled.camera.near_clip, &scaled.camera.far_clip, &scaled.camera.aperture_radius, &scaled.camera.focus_distance})
+    for (double* length :
+         {&scaled.camera.near_clip, &scaled.camera.far_clip, &scaled.camera.aperture_radius, &scaled.camera.focus_distance})
       *length = std::ldexp(*length, k);
     const std::vector<Ray> rays_there = rays(place_scene(scaled), in);
     EXPECT_EQ(std::memcmp(expected.data(), rays_there.data(), expected.size() * sizeof(Ray)), 0);
   }
 }
 
-// Of the samples of one pixel: 16 x 16 cells of equal area on the lens; and the four joint halves of film and lens, for each pair of
-// their axes. A point on the lens is known to 1e-5 of its radius: fewer than 1 in 10^4 can be in a neighbouring cell.
+// Of the samples of one pixel: 16 x 16 cells of equal area on the lens; and the four joint halves of film and lens, for each
+// pair of their axes. A point on the lens is known to 1e-5 of its radius: fewer than 1 in 10^4 can be in a neighbouring
+// cell.
 TEST(lens_test, samples_are_uniform_on_the_lens_and_independent_of_the_film_position) {
   World world = lens(0.25, 0.5);
   world.film.width = world.film.crop_width = world.film.height = world.film.crop_height = 1;
   const Scene scene = place_scene(world);
   std::vector<Ray> all(count_or_small(200000, 500));
-  run("lens_test.cl", "samples", all.size(), std::vector<Camera>{scene.camera}, std::vector<Settings>{scene.settings}, scene.filter, cl_uint{0}, cl_uint{0}, out(all));
-  std::vector<double> cells(256, 0.0), joint[4] = {std::vector<double>(4), std::vector<double>(4), std::vector<double>(4), std::vector<double>(4)};
+  run("lens_test.cl", "samples", all.size(), std::vector<Camera>{scene.camera}, std::vector<Settings>{scene.settings},
+      scene.filter, cl_uint{0}, cl_uint{0}, out(all));
+  std::vector<double> cells(256, 0.0),
+      joint[4] = {std::vector<double>(4), std::vector<double>(4), std::vector<double>(4), std::vector<double>(4)};
   const real3 x(world.camera.to_world[0]), y(world.camera.to_world[1]), center(world.camera.to_world[3]);
   for (const Ray& ray : all) {
     const glm::dvec2 p = on_lens(world, ray) / 0.25;
@@ -181,7 +190,8 @@ TEST(lens_test, samples_are_uniform_on_the_lens_and_independent_of_the_film_posi
   for (const auto& counts : joint) EXPECT_GE(uniformity_test(counts), significance(5));
 }
 
-// Extremes: a lens of a hundredth of everything, and one from 10^6 away. There a float32 direction is worth 2^-24 10^6 = 0.06.
+// Extremes: a lens of a hundredth of everything, and one from 10^6 away. There a float32 direction is worth 2^-24 10^6 =
+// 0.06.
 TEST(lens_test, tiny_and_distant_lenses_give_rays_between_the_clip_planes) {
   for (const double size : {0.01, 1e6}) {
     World world = lens(0.05 * size, size, glm::dvec3(0.6, -0.48, 0.64) * size, {0, 0, 0});
@@ -194,7 +204,8 @@ TEST(lens_test, tiny_and_distant_lenses_give_rays_between_the_clip_planes) {
       const real3 focus = at_depth(world, all[i], size);
       const glm::dvec3 exact = glm::dvec3(world.camera.to_world[3]) + size * pinhole(world, in.x[i], in.y[i]);
       const double slope = glm::length(pinhole(world, in.x[i], in.y[i])) + 0.05;
-      EXPECT_LE(static_cast<double>(glm::length(focus - real3(exact))), slope * unit_roundoff * (8 + 48 * slope * size)) << size;
+      EXPECT_LE(static_cast<double>(glm::length(focus - real3(exact))), slope * unit_roundoff * (8 + 48 * slope * size))
+          << size;
       EXPECT_GT(all[i].t_max, 0.0f);
     }
   }

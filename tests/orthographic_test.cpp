@@ -39,7 +39,8 @@ std::vector<Ray> rays(const World& world, const std::vector<float>& x, const std
 // Film position in world space: Mitsuba's convention, +x to the left, +y up.
 glm::dvec3 film_point(const World& world, double x, double y) {
   const double half_x = world.camera.tan_half_fov_x, half_y = half_x * world.film.height / world.film.width;
-  return glm::dvec3(world.camera.to_world * glm::dvec4((1.0 - 2.0 * x / world.film.width) * half_x, (1.0 - 2.0 * y / world.film.height) * half_y, 0.0, 1.0));
+  return glm::dvec3(world.camera.to_world * glm::dvec4((1.0 - 2.0 * x / world.film.width) * half_x,
+                                                       (1.0 - 2.0 * y / world.film.height) * half_y, 0.0, 1.0));
 }
 
 struct Film2 {
@@ -84,13 +85,14 @@ TEST(orthographic_test, pixels_have_exactly_their_place_and_spacing) {
   }
 }
 
-// However far the camera is, and however small: the film point is rounded 6 times at the size of the film and of the scene, the depth
-// is at most 4 there and moves a ray by 4 u of it.
+// However far the camera is, and however small: the film point is rounded 6 times at the size of the film and of the scene,
+// the depth is at most 4 there and moves a ray by 4 u of it.
 TEST(orthographic_test, rays_pass_their_film_points_from_near_and_from_a_million_away) {
   for (const double away : {0.0, 0.3, 5.0, 1e6, 1e9})
     for (const double half : {0.005, 0.7, 3.0}) {
       const glm::dvec3 direction = glm::normalize(glm::dvec3(0.48, 0.64, -0.6));
-      World world = view(pose(glm::dvec3(0.1, 0.2, -0.1) - away * direction, glm::dvec3(0.1, 0.2, -0.1) + direction), half, 64, 48);
+      World world =
+          view(pose(glm::dvec3(0.1, 0.2, -0.1) - away * direction, glm::dvec3(0.1, 0.2, -0.1) + direction), half, 64, 48);
       world.camera.far_clip = 1e10;
       const Film2 film = positions(world, count_or_small(1000, 20), 2);
       const std::vector<Ray> all = rays(world, film.x, film.y);
@@ -99,7 +101,8 @@ TEST(orthographic_test, rays_pass_their_film_points_from_near_and_from_a_million
         const glm::dvec3 exact = film_point(world, film.x[i], film.y[i]);
         const glm::dvec3 axis(world.camera.to_world[2]);
         const glm::dvec3 start = exact + axis * glm::dot(unpacked(all[i].origin) - exact, axis);
-        EXPECT_LE(glm::length(unpacked(all[i].origin) - start), unit_roundoff * (6 * half + 24) + 1e-15 * away) << away << " " << half;
+        EXPECT_LE(glm::length(unpacked(all[i].origin) - start), unit_roundoff * (6 * half + 24) + 1e-15 * away)
+            << away << " " << half;
         EXPECT_LE(glm::length(unpacked(all[i].direction) - axis), 4 * unit_roundoff);
       }
     }
@@ -114,15 +117,18 @@ TEST(orthographic_test, neighbouring_pixels_of_a_film_of_a_hundredth_have_distin
   EXPECT_EQ(origins.size(), 1024u);
 }
 
-// Whatever of a ray lies between the clip planes and in the scene's box is on it, also for rays that begin beside the box, and
-// nothing before the near plane or behind the far one is.
+// Whatever of a ray lies between the clip planes and in the scene's box is on it, also for rays that begin beside the box,
+// and nothing before the near plane or behind the far one is.
 TEST(orthographic_test, rays_that_begin_outside_the_scene_keep_all_of_it_between_the_clip_planes) {
   Random random(3);
+  std::size_t met = 0;
   for (int k = 0; k < 60; ++k) {
     const glm::dvec3 from = random.in_cube(k % 3 == 0 ? 1.0 : k % 3 == 1 ? 4.0 : 300.0);
-    glm::dvec3 d = random.direction();
+    glm::dvec3 d = glm::normalize(random.in_cube(1.0) - from);
     if (k % 5 == 0) d = {k % 2 ? 1.0 : -1.0, 0.0, 0.0};
     World world = view(pose(from, from + d), 6.0, 16, 16);
+    if (k % 4 == 1)  // the film leans: its points lie at different depths
+      for (int column = 0; column < 2; ++column) world.camera.to_world[column] += 0.7 * world.camera.to_world[2];
     world.camera.near_clip = random.log_between(1e-3, 10.0);
     world.camera.far_clip = world.camera.near_clip + random.log_between(0.1, 1e3);
     const Film2 film = positions(world, count_or_small(500, 10), 100 + static_cast<unsigned>(k));
@@ -137,18 +143,21 @@ TEST(orthographic_test, rays_that_begin_outside_the_scene_keep_all_of_it_between
       }
       const double slack = 1e-4;  // rays that graze the box, and rounding: the film is 12 wide, 300 away
       if (enter > leave - slack) continue;
+      ++met;
       const double start = glm::dot(unpacked(all[i].origin) - p, axis), end = start + static_cast<double>(all[i].t_max);
       EXPECT_LE(start, enter + 1e-5);
       EXPECT_GE(start, world.camera.near_clip - 1e-5);
       EXPECT_GE(end, leave - 1e-3);
       EXPECT_LE(end, world.camera.far_clip + 1e-3);
-      EXPECT_LE(std::max({std::abs(all[i].origin.x), std::abs(all[i].origin.y), std::abs(all[i].origin.z)}), 1.0f + 0x1p-14f);
+      EXPECT_LE(std::max({std::abs(all[i].origin.x), std::abs(all[i].origin.y), std::abs(all[i].origin.z)}),
+                1.0f + 0x1p-14f);
     }
   }
+  EXPECT_GE(met, count_or_small(300, 3));
 }
 
-// Measured in Mitsuba 3.9.1: 8x4 pixels; film (0, 0), (1, 0) and (0, 1) under a to_world that scales by 3 and moves to (1, 2, 3), one
-// that shears, and one that leans the rays. The reader has multiplied near_clip by the scale, see reader_test.
+// Measured in Mitsuba 3.9.1: 8x4 pixels; film (0, 0), (1, 0) and (0, 1) under a to_world that scales by 3 and moves to (1,
+// 2, 3), one that shears, and one that leans the rays. The reader has multiplied near_clip by the scale, see reader_test.
 TEST(orthographic_test, rays_are_those_of_mitsuba) {
   struct Row {
     glm::dmat4 to_world;
@@ -161,16 +170,22 @@ TEST(orthographic_test, rays_are_those_of_mitsuba) {
   leaning[2][0] = 0.5;
   const Row rows[] = {{scaled, 3.0, 7.0, {{4, 3.5, 6}, {-2, 3.5, 6}, {4, 0.5, 6}}, {0, 0, 1}},
                       {sheared, 0.01, 1e4, {{1.25, 0.5, 0.01}, {-0.75, 0.5, 0.01}, {0.75, -0.5, 0.01}}, {0, 0, 1}},
-                      {leaning, 0.01 * std::sqrt(1.25), 1e4, {{1.005, 0.5, 0.01}, {-0.995, 0.5, 0.01}, {1.005, -0.5, 0.01}}, {0.4472136, 0, 0.8944272}}};
+                      {leaning,
+                       0.01 * std::sqrt(1.25),
+                       1e4,
+                       {{1.005, 0.5, 0.01}, {-0.995, 0.5, 0.01}, {1.005, -0.5, 0.01}},
+                       {0.4472136, 0, 0.8944272}}};
   for (const Row& row : rows) {
     World world = view(row.to_world, 1.0, 8, 4);
-    for (glm::dvec3& p : world.shapes[0].mesh.positions) p *= 16.0;  // all of it lies within: no ray begins later than its near plane
+    for (glm::dvec3& p : world.shapes[0].mesh.positions)
+      p *= 16.0;  // all of it lies within: no ray begins later than its near plane
     world.camera.near_clip = row.near_clip;
     world.camera.far_clip = row.far_clip;
     const Scene scene = place_scene(world);
     ASSERT_EQ(scene.frame.exponent, 4);
     std::vector<Ray> all(3);
-    run("orthographic_test.cl", "rays", 3, std::vector<Camera>{scene.camera}, std::vector<float>{0, 8, 0}, std::vector<float>{0, 0, 4}, out(all));
+    run("orthographic_test.cl", "rays", 3, std::vector<Camera>{scene.camera}, std::vector<float>{0, 8, 0},
+        std::vector<float>{0, 0, 4}, out(all));
     for (int i = 0; i < 3; ++i) {
       EXPECT_LE(glm::length(unpacked(all[i].direction) - row.direction), 1e-6);
       EXPECT_LE(glm::length(16.0 * unpacked(all[i].origin) - row.origins[i]), 2e-6) << i;
@@ -186,7 +201,8 @@ TEST(orthographic_test, scaling_the_world_by_a_power_of_two_changes_no_ray) {
   for (const int k : {-20, 20}) {
     World scaled = world;
     for (glm::dvec3& p : scaled.shapes[0].mesh.positions) p *= std::ldexp(1.0, k);
-    for (double* length : {&scaled.camera.near_clip, &scaled.camera.far_clip, &scaled.camera.tan_half_fov_x}) *length = std::ldexp(*length, k);
+    for (double* length : {&scaled.camera.near_clip, &scaled.camera.far_clip, &scaled.camera.tan_half_fov_x})
+      *length = std::ldexp(*length, k);
     scaled.camera.to_world[3] = glm::dvec4(std::ldexp(1.0, k) * glm::dvec3(world.camera.to_world[3]), 1.0);
     const Scene scene = place_scene(scaled);
     EXPECT_EQ(scene.frame.exponent, k);

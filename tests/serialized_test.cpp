@@ -33,7 +33,9 @@ std::string little_endian(std::uint64_t value, int size) {
 std::string deflated(const std::string& bytes) {
   uLongf size = compressBound(bytes.size());
   std::string result(size, '\0');
-  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()), Z_OK);
+  EXPECT_EQ(
+      compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()),
+      Z_OK);
   return result.substr(0, size);
 }
 
@@ -43,7 +45,8 @@ std::string plain(const Stream& s) {
   bytes += little_endian(s.vertices, 8) + little_endian(s.faces, 8);
   for (const auto* values : {&s.positions, &s.normals, &s.uvs, &s.colors})
     for (const double x : *values)
-      bytes += s.doubles ? little_endian(std::bit_cast<std::uint64_t>(x), 8) : little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(x)), 4);
+      bytes += s.doubles ? little_endian(std::bit_cast<std::uint64_t>(x), 8)
+                         : little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(x)), 4);
   for (const std::uint32_t i : s.indices) bytes += little_endian(i, 4);
   return bytes + s.after;
 }
@@ -84,7 +87,8 @@ std::string refusal(const std::string& file, std::uint64_t index = 0) {
 }
 
 bool same(const ObjectMesh& a, const ObjectMesh& b) {
-  const bool attributes = a.attributes.size() == b.attributes.size() && (a.attributes.empty() || a.attributes[0].values == b.attributes[0].values);
+  const bool attributes = a.attributes.size() == b.attributes.size() &&
+                          (a.attributes.empty() || a.attributes[0].values == b.attributes[0].values);
   return a.positions == b.positions && a.normals == b.normals && a.uvs == b.uvs && a.triangles == b.triangles && attributes;
 }
 
@@ -98,9 +102,9 @@ TEST(serialized_test, every_variant_gives_the_mesh_that_was_written) {
     s.doubles = variant & 2;
     s.flags = s.doubles ? 0x2000 : 0x1000;
     s.positions[4] = s.doubles ? 0.1 : 0.125;
-    variant & 4 ? s.flags |= 0x1 : (s.normals.clear(), 0u);
-    variant & 8 ? s.flags |= 0x2 : (s.uvs.clear(), 0u);
-    variant & 16 ? s.flags |= 0x8 : (s.colors.clear(), 0u);
+    variant& 4 ? s.flags |= 0x1 : (s.normals.clear(), 0u);
+    variant& 8 ? s.flags |= 0x2 : (s.uvs.clear(), 0u);
+    variant& 16 ? s.flags |= 0x8 : (s.colors.clear(), 0u);
     const ObjectMesh mesh = parse_serialized(file_of({s}), 0);
     EXPECT_EQ(flat(mesh.positions), s.positions) << variant;
     EXPECT_EQ(flat(mesh.normals), s.normals) << variant;
@@ -117,7 +121,8 @@ TEST(serialized_test, every_variant_gives_the_mesh_that_was_written) {
   }
 }
 
-// Measured in Mitsuba 3.9.1: no flag for the precision means single, both mean double; that for face normals (0x10) does nothing.
+// Measured in Mitsuba 3.9.1: no flag for the precision means single, both mean double; that for face normals (0x10) does
+// nothing.
 TEST(serialized_test, precision_is_single_unless_double_is_asked_for_and_other_flags_do_nothing) {
   Stream s = complete();
   const ObjectMesh expected = parse_serialized(file_of({s}), 0);
@@ -137,13 +142,17 @@ TEST(serialized_test, shapes_are_found_by_their_index) {
       streams[i].name = std::string(i, 'x');
     }
     const std::string file = file_of(streams);
-    for (std::size_t i = 0; i < streams.size(); ++i) EXPECT_EQ(parse_serialized(file, i).positions[0].x, static_cast<double>(i));
+    for (std::size_t i = 0; i < streams.size(); ++i)
+      EXPECT_EQ(parse_serialized(file, i).positions[0].x, static_cast<double>(i));
     EXPECT_EQ(refusal(file, 5), "it has 5 shapes, counted from 0: there is none of \"shape_index\" 5");
-    EXPECT_EQ(refusal(file, std::uint64_t{1} << 32), "it has 5 shapes, counted from 0: there is none of \"shape_index\" 4294967296");
+    EXPECT_EQ(refusal(file, std::uint64_t{1} << 32),
+              "it has 5 shapes, counted from 0: there is none of \"shape_index\" 4294967296");
   }
 }
 
-TEST(serialized_test, the_first_shape_needs_no_dictionary) { EXPECT_EQ(parse_serialized(shape({}), 0).triangles.size(), 2u); }
+TEST(serialized_test, the_first_shape_needs_no_dictionary) {
+  EXPECT_EQ(parse_serialized(shape({}), 0).triangles.size(), 2u);
+}
 
 TEST(serialized_test, a_mesh_larger_than_every_buffer_is_read) {
   Stream s;
@@ -151,7 +160,8 @@ TEST(serialized_test, a_mesh_larger_than_every_buffer_is_read) {
   s.faces = 99998;
   s.positions.clear();
   s.indices.clear();
-  for (std::uint32_t i = 0; i < s.vertices; ++i) s.positions.insert(s.positions.end(), {std::sin(i), i * 0.5, 1.0 / (i + 1)});
+  for (std::uint32_t i = 0; i < s.vertices; ++i)
+    s.positions.insert(s.positions.end(), {std::sin(i), i * 0.5, 1.0 / (i + 1)});
   for (std::uint32_t i = 0; i < s.faces; ++i) s.indices.insert(s.indices.end(), {i, i + 1, i + 2});
   const ObjectMesh mesh = parse_serialized(file_of({s}), 0);
   for (std::size_t i = 0; i < s.vertices; ++i) {
@@ -209,7 +219,8 @@ TEST(serialized_test, a_corrupted_byte_of_the_contents_is_refused_or_read_as_ano
         const ObjectMesh mesh = parse_serialized(header + deflated(broken), 0);
         for (const glm::uvec3& t : mesh.triangles)
           for (int corner = 0; corner < 3; ++corner) ASSERT_LT(t[corner], mesh.positions.size());
-        for (const glm::dvec3& p : mesh.positions) ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+        for (const glm::dvec3& p : mesh.positions)
+          ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
       } catch (const MeshFileError&) {
       }
     }
@@ -236,11 +247,13 @@ TEST(serialized_test, what_is_broken_is_named) {
   const std::string whole = shape({});
   EXPECT_EQ(refusal(whole.substr(0, 4) + "no zlib stream"), "its compressed data are damaged");
   EXPECT_EQ(refusal(whole.substr(0, whole.size() - 1)), "its compressed data break off");
+  EXPECT_EQ(refusal(whole + little_endian(1000000, 4), 1), "its dictionary breaks off");
 }
 
 // Not one byte is taken for what a file of this size cannot hold.
 TEST(serialized_test, counts_beyond_the_reach_of_compression_are_refused_at_once) {
-  for (const std::uint64_t count : {std::uint64_t{10000000}, (std::uint64_t{1} << 32) - 2, (std::uint64_t{1} << 32) - 1, std::uint64_t{1} << 63}) {
+  for (const std::uint64_t count :
+       {std::uint64_t{10000000}, (std::uint64_t{1} << 32) - 2, (std::uint64_t{1} << 32) - 1, std::uint64_t{1} << 63}) {
     Stream s;
     s.vertices = count;
     EXPECT_NE(refusal(shape(s)), "");
@@ -259,11 +272,13 @@ TEST(serialized_test, a_scene_names_file_and_index) {
   streams[2] = complete();
   directory.write("a.serialized", file_of(streams));
   const std::string head = SENSOR + "<shape type=\"serialized\"><string name=\"filename\" value=\"a.serialized\"/>";
-  const World world = directory.read(head + "</shape>" + head.substr(SENSOR.size()) + "<integer name=\"shape_index\" value=\"2\"/></shape>");
+  const World world =
+      directory.read(head + "</shape>" + head.substr(SENSOR.size()) + "<integer name=\"shape_index\" value=\"2\"/></shape>");
   EXPECT_TRUE(world.shapes[0].mesh.uvs.empty());
   EXPECT_EQ(world.shapes[1].mesh.uvs.size(), 4u);
   EXPECT_EQ(world.files.size(), 2u);
-  const World faceted = directory.read(head + "<integer name=\"shape_index\" value=\"2\"/><boolean name=\"face_normals\" value=\"true\"/></shape>");
+  const World faceted = directory.read(
+      head + "<integer name=\"shape_index\" value=\"2\"/><boolean name=\"face_normals\" value=\"true\"/></shape>");
   EXPECT_TRUE(faceted.shapes[0].mesh.normals.empty());
 }
 

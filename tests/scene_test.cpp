@@ -37,6 +37,23 @@ void add_radiance_texture(World& world) {
   world.shapes[0].radiance_texture = 1;
 }
 
+void add_texture(World& world, TextureKind kind) {
+  add_material(world, diffuse(0.5));
+  world.materials[0].reflectance_texture = 1;
+  WorldTexture& texture = world.textures.emplace_back();
+  texture.kind = kind;
+  if (kind == TEXTURE_BITMAP) {
+    Image image;
+    image.width = image.height = 1;
+    image.texels.resize(3);
+    texture.image = std::make_shared<const Image>(image);
+  } else if (kind != TEXTURE_CHECKERBOARD) {
+    texture.attribute = "vertex_heat";
+    Mesh& mesh = world.shapes[0].mesh;
+    mesh.attributes.push_back({texture.attribute, false, 1, std::vector<float>(mesh.positions.size(), 0.5f)});
+  }
+}
+
 Material of_kind(MaterialKind kind) {
   Material m = diffuse(1.0);
   m.kind = kind;
@@ -58,6 +75,11 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"oren nayar, qualitative", [](World& w) { add_material(w, of_kind(MATERIAL_OREN_NAYAR_FAST)); }, FEATURE_OREN_NAYAR_FAST | FEATURE_TRIANGLES},
       {"disney", [](World& w) { add_material(w, of_kind(MATERIAL_DISNEY)); }, FEATURE_DISNEY | FEATURE_TRIANGLES},
       {"thin dielectric", [](World& w) { add_material(w, of_kind(MATERIAL_THIN_DIELECTRIC)); }, FEATURE_THIN_DIELECTRIC | FEATURE_TRIANGLES},
+      {"bitmap", [](World& w) { add_texture(w, TEXTURE_BITMAP); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_BITMAPS},
+      {"checkerboard", [](World& w) { add_texture(w, TEXTURE_CHECKERBOARD); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_CHECKERBOARDS},
+      {"attribute", [](World& w) { add_texture(w, TEXTURE_VERTEX_ATTRIBUTE); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_ATTRIBUTES},
+      {"unused texture", [](World& w) { add_texture(w, TEXTURE_CHECKERBOARD), w.materials[0].reflectance_texture = 0; },
+       FEATURE_DIFFUSE | FEATURE_TRIANGLES},
       {"back side", [](World& w) { add_material(w, diffuse(0.5)), w.materials.push_back(mirror(1.0)), w.shapes[0].material_back = 1; },
        FEATURE_DIFFUSE | FEATURE_MIRROR | FEATURE_TRIANGLES},
       {"smooth", [](World& w) { add_material(w, diffuse(0.5)), w.shapes[0].mesh.normals.assign(w.shapes[0].mesh.positions.size(), {0, 0, 1}); },

@@ -243,6 +243,23 @@ TEST(texture_test, the_first_row_lies_at_v_0) {
     for (int c = 0; c < 3; ++c) EXPECT_EQ(v.value[static_cast<std::size_t>(i)].s[c], static_cast<float>(3 * i + c));
 }
 
+// Measured in Mitsuba 3.9.1, variant scalar_rgb, 6 digits: three texels in a row.
+TEST(texture_test, bitmaps_are_looked_up_as_in_mitsuba) {
+  const std::vector<float> at = {-1.4f, -0.3f, 0.05f, 0.45f, 0.98f, 1.2f, 2.7f};
+  const std::vector<double> expected[2][3] = {
+      {{.75, .6, .205, .78, .268, .18, .6}, {.75, .42, .1, .78, .4, .45, .6}, {.1, .1, .1, .78, .4, .4, .4}},
+      {{.9, .4, .1, .9, .4, .1, .4}, {.9, .1, .1, .9, .4, .4, .4}, {.1, .1, .1, .9, .4, .4, .4}}};
+  std::vector<std::byte> texels;
+  append(texels, std::vector<float>{0.1f, 0.9f, 0.4f});
+  std::vector<cl_float2> uv;
+  for (const float x : at) uv.push_back({{x, 0.3f}});
+  for (const bool nearest : {false, true})
+    for (const TextureWrap wrap : wraps) {
+      const Values v = evaluate({float_texture(3, 1, 1, wrap, nearest)}, texels, std::vector<cl_uint>(uv.size(), 0), uv);
+      for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(v.value[i].s[0], expected[nearest][wrap][i], 1e-6) << at[i] << " wrap " << wrap;
+    }
+}
+
 // A single quotient: 2.5 ulp by OpenCL's rules, and an ulp is at most 2 u.
 TEST(texture_test, integers_are_shares_of_the_largest) {
   std::vector<std::uint8_t> bytes(256);

@@ -3,7 +3,6 @@
 
 #include <cstring>
 
-#include "random.h"
 #include "worlds.h"
 
 namespace oclair::test {
@@ -32,9 +31,9 @@ inline std::vector<float> normal_color(const glm::dvec3& n) {
 }
 
 inline std::vector<float> random_numbers(std::size_t count, std::uint64_t seed) {
-  Random random(seed);
+  std::mt19937_64 random(seed);
   std::vector<float> values(count);
-  for (float& value : values) value = random.unit24();
+  for (float& value : values) value = static_cast<float>(random() >> 40) * 0x1p-24f;
   return values;
 }
 

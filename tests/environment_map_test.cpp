@@ -1,6 +1,6 @@
 // The lookup and the density of environment maps against long double on the same texels, and against values measured in Mitsuba.
 #include "environment_maps.h"
-#include "random.h"
+#include "lights.h"
 
 using namespace oclair;
 using namespace oclair::test;
@@ -209,6 +209,35 @@ TEST(environment_map_test, a_rotated_map_is_the_map_seen_in_rotated_directions) 
     for (std::size_t i = 0; i < bits.size(); ++i) {
       EXPECT_EQ(unpacked(x.directions[i]), rotation * unpacked(y.directions[i]));
       EXPECT_EQ(x.pdf[i], y.pdf[i]);
+    }
+  }
+}
+
+// Beside another light: the density counts the probability with which the map is chosen, the weight is the radiance over it.
+TEST(environment_map_test, a_light_sample_of_a_map_is_its_radiance_over_probability_and_density) {
+  const auto image = random_image(7, 5, 10);
+  World world;
+  world.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(5.0), {0, 0, -1}});
+  world.lights.push_back({LIGHT_ENVIRONMENT, glm::dvec3(2.0), {}});
+  world.lights.back().image = image;
+  const Scene scene = place_scene(world);
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_LT(scene.lights[1].probability, 0.9f);
+  EXPECT_EQ(scene.settings.environment_probability, scene.lights[1].probability);
+  const auto u = random_squares(count_or_small(1000, 32), 8);
+  std::vector<cl_ulong> bits;
+  for (const Square& s : u) bits.push_back(static_cast<cl_ulong>(s[0] * 0x1p32) << 32 | static_cast<cl_ulong>(s[1] * 0x1p32));
+  const auto samples = sample_light(scene, 1, {0.1, 0.2, 0.3}, u);
+  const MapSamples expected = map_samples(scene, bits);
+  const auto radiance = map_radiance(scene, expected.directions);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    EXPECT_EQ(unpacked(samples[i].direction), unpacked(expected.directions[i]));
+    EXPECT_EQ(samples[i].pdf, expected.pdf[i] * scene.lights[1].probability);
+    EXPECT_EQ(samples[i].primitive, NONE);
+    EXPECT_EQ(samples[i].distance, 1e30f);
+    for (int c = 0; c < 3; ++c) {
+      const double exact = unpacked(radiance[i])[c] / samples[i].pdf;
+      EXPECT_NEAR(unpacked(samples[i].weight)[c], exact, 4 * unit_roundoff * exact);
     }
   }
 }

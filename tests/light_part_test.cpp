@@ -214,6 +214,34 @@ TEST(light_part_test, a_textured_sphere_brings_its_texture_to_its_middle) {
   EXPECT_NEAR(scene.lights[0].radiance.x, 0.5, 1e-3);  // the mean
 }
 
+// From outside a sphere is sampled by the cone under which it is seen. Its axis is +x; the texture runs from 0 at +x to 1 at -x.
+// Quadrature over the cone in double: E = int v cos dw.
+TEST(light_part_test, a_textured_sphere_seen_from_outside_brings_its_quadrature) {
+  const uint n = 64;
+  const double pi = std::acos(-1.0), r = 0.3;
+  World world;
+  add_frame_box(world);
+  world.textures.push_back(bitmap(float_image(1, n, [](uint, uint y) { return glm::dvec3((y + 0.5) / n); }), false));
+  WorldShape& sphere = add_shape(world, diffuse(0.0), Sides::both, 1.0);
+  sphere.geometry = Geometry::sphere;
+  const glm::dvec3 center(0.2, 0, 0.6), from(-0.1, 0, 0);
+  sphere.to_world = glm::dmat4(glm::dvec4(0, r, 0, 0), glm::dvec4(0, 0, r, 0), glm::dvec4(r, 0, 0, 0), glm::dvec4(center, 1));
+  sphere.radiance_texture = 1;
+  const glm::dvec3 axis = glm::normalize(center - from), x = glm::normalize(glm::cross(axis, glm::dvec3(0, 1, 0))), y = glm::cross(axis, x);
+  const double distance = glm::length(center - from), least = std::sqrt(1 - r * r / (distance * distance));
+  double exact = 0;
+  for (const Node& c : gauss_legendre(60, least, 1.0))
+    for (int k = 0; k < 200; ++k) {
+      const double phi = 2 * pi * (k + 0.5) / 200, s = std::sqrt(1 - c.x * c.x);
+      const glm::dvec3 w = s * (std::cos(phi) * x + std::sin(phi) * y) + c.x * axis;
+      const double t = distance * c.x - std::sqrt(std::max(0.0, r * r - distance * distance * s * s));
+      const double v = std::acos(std::clamp((from.x + t * w.x - center.x) / r, -1.0, 1.0)) / pi;
+      exact += c.weight * 2 * pi / 200 * std::clamp(v, 0.5 / n, 1 - 0.5 / n) * w.z;
+    }
+  const Scene scene = place_scene(world);
+  EXPECT_NEAR(irradiance(scene, 0.5 * from, {0, 0, 1}, count_or_small(512, 8)), exact, small_inputs() ? 0.1 * exact : 1e-4 * exact);
+}
+
 TEST(light_part_test, a_black_texture_is_no_light) {
   const Scene scene = place_scene(textured_square(bitmap(float_image(3, 3, [](uint, uint) { return glm::dvec3(0.0); }), false)));
   EXPECT_TRUE(scene.lights.empty());

@@ -17,12 +17,13 @@ INLINE bool bsdf_is_delta(const Material *material) {
   return !HAS_NON_DELTAS || (deltas && material->kind >= MATERIAL_MIRROR);
 }
 
-// pi f of the diffuse models.
+// pi f of the diffuse models; 0 for what the kernel is not compiled for.
 INLINE float3 bsdf_diffuse_factor(const Material *material, float3 wo, float3 wi) {
+  if (HAS(DIFFUSE) && material->kind == MATERIAL_DIFFUSE) return lambert_factor(material);
   if (HAS(OREN_NAYAR) && material->kind == MATERIAL_OREN_NAYAR) return oren_nayar_factor(material, wo, wi);
   if (HAS(OREN_NAYAR_FAST) && material->kind == MATERIAL_OREN_NAYAR_FAST) return oren_nayar_fast_factor(material, wo, wi);
   if (HAS(DISNEY) && material->kind == MATERIAL_DISNEY) return disney_diffuse_factor(material, wo, wi);
-  return lambert_factor(material);
+  return (float3)(0.0f);
 }
 
 INLINE Scatter bsdf_sample(const Material *material, float3 wo, bool front, float2 u) {

@@ -26,12 +26,12 @@ INLINE float distribution_probability(__global const uint *cdf, uint count, uint
   return distribution_width(cdf, count, i) * 0x1p-32f;
 }
 
-// Chooses by u in [0, 1 - 2^-24]; *rest is where in the item's share u lies, in [0, 1): a number to go on with.
-INLINE uint distribution_sample(__global const uint *cdf, uint count, float u, float *rest) {
-  uint bits = (uint)(u * 0x1p32f);
+// Chooses by 32 random bits; *rest in (0, 1) is where in the item's share they lie, in the middle of their unit of it: a number to go on
+// with. (A float has but 24 bits: items of less than 2^-24 would be passed over, or chosen too often.)
+INLINE uint distribution_sample(__global const uint *cdf, uint count, uint bits, float *rest) {
   uint i = distribution_select(cdf, count, bits);
   uint begin = i == 0u ? 0u : cdf[i - 1u];
-  *rest = fmin((float)(bits - begin) / distribution_width(cdf, count, i), 1.0f - 0x1p-24f);
+  *rest = fmin(((float)(bits - begin) + 0.5f) / distribution_width(cdf, count, i), 1.0f - 0x1p-24f);
   return i;
 }
 

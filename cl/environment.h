@@ -32,7 +32,7 @@ INLINE EnvironmentCell environment_cell(const Texture *image, float3 d) {
   float turns = atan2(d.x, -d.z) * (0.5f * INV_PI);  // [-1/2, 1/2]
   float x = (turns < 0.0f ? turns + 1.0f : turns) * columns - 0.5f;
   x = x < 0.0f ? x + columns : x;
-  float y = atan2(hypot(d.x, d.z), d.y) * INV_PI * rows;
+  float y = atan2(sqrt(d.x * d.x + d.z * d.z), d.y) * INV_PI * rows;  // the arc cosine has no digits at the poles
   EnvironmentCell cell;
   cell.x = min((uint)x, columns - 1u);
   cell.y = min((uint)y, rows - 1u);
@@ -48,17 +48,19 @@ INLINE float3 environment_texel(const Scene *scene, const Texture *image, Enviro
   return mix(above, below, cell.within.y);
 }
 
-// Solid angle of a cell in row y: 2 pi / columns times the difference of the cosines, which as a product does not cancel.
-INLINE float environment_solid_angle(uint columns, uint rows, uint y) {
+// Difference of the cosines at the edges of row y of cells, as a product, which does not cancel. Counted from the nearer pole: the
+// sine of an angle near pi has no digits.
+INLINE float environment_height(uint rows, uint y) {
+  uint from_pole = min(y, rows - 1u - y);
   float half_step = 0.5f * PI / rows;
-  return 2.0f * PI / columns * 2.0f * sin((2.0f * y + 1.0f) * half_step) * sin(half_step);
+  return 2.0f * sin((2.0f * from_pole + 1.0f) * half_step) * sin(half_step);
 }
 
 INLINE float environment_cell_pdf(const Scene *scene, const Texture *image, uint x, uint y) {
   uint columns = image->width, rows = max(image->height, 2u) - 1u;
   __global const uint *conditional = scene->environment_cdf + rows + (ulong)y * columns;
   float probability = distribution_probability(scene->environment_cdf, rows, y) * distribution_probability(conditional, columns, x);
-  return probability / environment_solid_angle(columns, rows, y);
+  return probability / (2.0f * PI / columns * environment_height(rows, y));
 }
 
 // Radiance from direction d, unit, in world space.
@@ -77,22 +79,22 @@ OUT_OF_LINE float environment_pdf(const Scene *scene, float3 d) {
   return environment_cell_pdf(scene, &image, cell.x, cell.y);
 }
 
-// Draws a direction; *pdf is its density. u in [0, 1 - 2^-24]^2.
-OUT_OF_LINE float3 environment_sample(const Scene *scene, float2 u, float *pdf) {
+// Draws a direction; *pdf is its density. The high half of the random bits chooses across, the low half down.
+OUT_OF_LINE float3 environment_sample(const Scene *scene, ulong bits, float *pdf) {
   __global const Settings *settings = scene->settings;
   Texture image = scene->textures[settings->environment_texture - 1u];
   uint columns = image.width, rows = max(image.height, 2u) - 1u;
   float across, down;  // where in the cell
-  uint y = distribution_sample(scene->environment_cdf, rows, u.y, &down);
-  uint x = distribution_sample(scene->environment_cdf + rows + (ulong)y * columns, columns, u.x, &across);
+  uint y = distribution_sample(scene->environment_cdf, rows, (uint)bits, &down);
+  uint x = distribution_sample(scene->environment_cdf + rows + (ulong)y * columns, columns, (uint)(bits >> 32), &across);
   *pdf = environment_cell_pdf(scene, &image, x, y);
-  // 1 - cos of the angle from +y runs linearly through the cell.
-  float half_step = 0.5f * PI / rows;
-  float s = sin(y * half_step);
-  float h = fmin(2.0f * s * s + down * 2.0f * sin((2.0f * y + 1.0f) * half_step) * sin(half_step), 2.0f);
+  // h = 1 - cos of the angle from the nearer pole: it runs linearly through the cell and keeps its digits.
+  bool south = 2u * y + 1u > rows;
+  float s = sin((south ? rows - 1u - y : y) * (0.5f * PI / rows));
+  float h = 2.0f * s * s + (south ? 1.0f - down : down) * environment_height(rows, y);
   float2 around = warp_circle((x + 0.5f + across) / columns);
-  float sine = sqrt(h * (2.0f - h));
-  return environment_to_world(settings, (float3)(sine * around.y, 1.0f - h, -sine * around.x));
+  float sine = sqrt(h * (2.0f - h)), height = south ? h - 1.0f : 1.0f - h;
+  return environment_to_world(settings, (float3)(sine * around.y, height, -sine * around.x));
 }
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "environment.h"
 #include "mis.h"
+#include "rng.h"
 #include "surface.h"
 
 // A light as seen from a point.
@@ -15,7 +16,6 @@ typedef struct LightSample {
   uint primitive;      // on which the shadow ray ends, or NONE
 } LightSample;
 
-
 // A triangle with a textured radiance is split into n^2 equal triangles, each a light of its own with its own power. Part
 // p = r^2 + j lies in row r (between b1 + b2 = r/n and (r + 1)/n), j-th along it; even ones are copies of the triangle, odd ones are
 // turned round.
@@ -25,7 +25,7 @@ typedef struct LightPart {
 } LightPart;
 
 INLINE LightPart light_part(uint part, uint split) {
-  uint row = (uint)sqrt((float)part);  // exact: part < 2^24
+  uint row = (uint)sqrt(part + 0.5f);  // r^2 + 1/2 lies too far from the squares for an error of some ulp
   uint j = part - row * row, k = j / 2u;
   uint turned = j & 1u;
   LightPart p;
@@ -158,17 +158,19 @@ INLINE LightSample light_sample_triangle(const Scene *scene, const Light *light,
   return light_from_area(light, radiance, light->area, from, point, error, triangle_normal(e1, e2));
 }
 
-// Share of its intensity that a spot light sends at an angle from its axis with that cosine: all of it within the beam, then
-// falling linearly with the angle to 0 at the cutoff (as in Mitsuba 3).
-INLINE float spot_falloff(const Light *light, float cosine) {
+// Share of its intensity that a spot light sends in the unit direction d: all of it within the beam, then falling linearly with the
+// angle from its axis to 0 at the cutoff (as in Mitsuba 3).
+INLINE float spot_falloff(const Light *light, float3 d) {
   float cutoff = light->edge2.x, beam = light->edge2.y;
-  float angle = acos(clamp(cosine, -1.0f, 1.0f));
+  float3 axis = unpack3(light->edge1), across = cross(axis, d);
+  float angle = atan2(sqrt(dot(across, across)), dot(axis, d));  // the arc cosine has no digits in a narrow beam
   if (angle <= beam) return 1.0f;
   return angle < cutoff ? (cutoff - angle) / (cutoff - beam) : 0.0f;
 }
 
-// Samples the light towards the point `from`. u in [0,1)^2.
-INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 from, float2 u) {
+// Samples the light towards the point `from` by 64 random bits.
+INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 from, ulong bits) {
+  float2 u = (float2)(rng_unit((uint)(bits >> 32)), rng_unit((uint)bits));
   if (HAS(TRIANGLE_LIGHTS) && light->kind == LIGHT_TRIANGLE) return light_sample_triangle(scene, light, from, u);
   if (HAS(QUADRIC_LIGHTS) && light->kind == LIGHT_QUADRIC) return light_sample_quadric(scene, light, from, u);
   LightSample s;
@@ -185,7 +187,7 @@ INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 f
     s.distance = sqrt(distance2);
     s.direction = apart ? d / s.distance : (float3)(0.0f, 0.0f, 1.0f);
     s.weight = apart ? s.weight / distance2 : (float3)(0.0f);
-    if (spot) s.weight *= spot_falloff(light, -dot(s.direction, unpack3(light->edge1)));
+    if (spot) s.weight *= spot_falloff(light, -s.direction);
   }
   if (HAS(CONSTANT_LIGHT) && light->kind == LIGHT_CONSTANT) {
     s.direction = warp_sphere(u);
@@ -194,7 +196,7 @@ INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 f
   }
   if (HAS(ENVIRONMENT_MAP) && light->kind == LIGHT_ENVIRONMENT) {
     float pdf;
-    s.direction = environment_sample(scene, u, &pdf);
+    s.direction = environment_sample(scene, bits, &pdf);
     s.pdf = light->probability * pdf;
     s.weight = environment_radiance(scene, s.direction) / s.pdf;
   }

@@ -22,8 +22,8 @@ INLINE OrenNayarAngles oren_nayar_angles(float3 wo, float3 wi) {
   a.sum = dot(wo.xy, wi.xy);
   a.cos_azimuth = product >= FLT_MIN ? clamp(a.sum / product, -1.0f, 1.0f) : 0.0f;
   a.larger_cosine = fmax(wo.z, wi.z);
-  a.sin_alpha = wo.z < wi.z ? sin_o : sin_i;
-  a.tan_beta = a.larger_cosine >= FLT_MIN ? (wo.z < wi.z ? sin_i : sin_o) / a.larger_cosine : 0.0f;
+  a.sin_alpha = fmax(sin_o, sin_i);
+  a.tan_beta = a.larger_cosine >= FLT_MIN ? fmin(sin_o, sin_i) / a.larger_cosine : 0.0f;
   return a;
 }
 

@@ -84,10 +84,11 @@ INLINE void path_pass_through(PathState *path, Hit hit, const Surface *surface) 
   if (path->passes >= HARD_DEPTH) path->alive = 0;
 }
 
-// Random bits of a surface that the path's segment meets: which material of a blend, and whether it lets the path through. They
-// depend on the primitive, so that surfaces one behind the other decide independently, for the path and for its shadow ray.
-INLINE ulong path_surface_bits(ulong key, uint depth, uint primitive) {
-  return rng_mix(rng_bits(key, dimension_of_vertex(depth, DIMENSION_MATERIAL)) + (primitive + 1ul) * RNG_GOLDEN);
+// Random bits of surface number `passes` that a path or a shadow ray of that depth meets: which material of a blend, and whether it
+// lets the path through. A shadow ray decides for itself: its product of transparencies is right in the mean only if it does not
+// depend on what the path has met, which may be the same surface.
+INLINE ulong path_surface_bits(ulong key, uint depth, uint passes, bool shadow) {
+  return rng_mix(rng_bits(key, dimension_of_vertex(depth, DIMENSION_MATERIAL)) + (2ul * passes + shadow) * RNG_GOLDEN);
 }
 
 // Next-event estimation: the shadow ray to a point of a light chosen by power.
@@ -103,7 +104,7 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
   // The very point from which a scattered ray on this side starts: both strategies then see the light from the same place.
   float3 origin = surface_offset(surface->position, surface->error, surface->geometric, surface->geometric);
   LightSample sample =
-      light_sample(scene, &light, origin, rng_2d(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
+      light_sample(scene, &light, origin, rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
   float3 wi = frame_to_local(surface->frame, sample.direction);
   if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
   float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
@@ -169,7 +170,7 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
 
   uint material_index = surface.front ? shape.material_front : shape.material_back;
   if (material_index != NONE) {
-    ulong bits = path_surface_bits(key, path->depth, hit.primitive);
+    ulong bits = path_surface_bits(key, path->depth, path->passes, false);
     material_index = material_select(scene, material_index, &surface.at, (uint)(bits >> 32));
     if (HAS(OPACITY) && rng_unit((uint)bits) < material_transparency(scene, material_index, &surface.at)) {
       path_pass_through(path, hit, &surface);
@@ -210,7 +211,7 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong 
     Shape shape = scene->shapes[surface.shape];
     uint index = surface.front ? shape.material_front : shape.material_back;
     if (index == NONE) return 0.0f;
-    index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(key, shadow->depth, hit.primitive) >> 32));
+    index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(key, shadow->depth, passes, true) >> 32));
     share *= material_transparency(scene, index, &surface.at);
     if (!(share > 0.0f)) return 0.0f;
     path_pass(&ray, hit, &surface);

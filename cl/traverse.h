@@ -37,7 +37,7 @@ INLINE bool closer(float t, uint primitive, const Hit *hit) {
 }
 
 // Both traversals: any_hit is a constant at each call. Closest: updates *hit, whose t is the ray's t_max and whose primitive is
-// NONE at first. Any: stops at the first hit that is neither where the ray starts nor where it ends.
+// NONE at first. Any: stops at the first hit. Where the ray starts and where it ends is no hit for either.
 INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit) {
   const Slabs slabs = slabs_from_ray(ray);
   const Shear shear = shear_from_ray(ray);
@@ -93,7 +93,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
           for (; mask; mask &= mask - 1u) {
             uint lane = lowest_lane(mask);
             uint primitive = block->primitive[lane];
-            if (primitive == ray->skip || (any_hit && primitive == ray->target)) continue;
+            if (primitive == ray->skip || primitive == ray->target) continue;
             if (!any_hit && !closer(t.lane[lane], primitive, hit)) continue;
             hit->t = t.lane[lane];
             hit->b1 = b1.lane[lane];
@@ -108,7 +108,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
         Quadric quadric = scene->quadrics[first];
         uint primitive = QUADRIC_BIT | first;
         float t = quadric_intersect(&quadric, unpack3(ray->origin), unpack3(ray->direction), hit->t, primitive == ray->skip,
-                                    any_hit && primitive == ray->target);
+                                    primitive == ray->target);
         if (t < INFINITE_DISTANCE && (any_hit || closer(t, primitive, hit))) {
           hit->t = t;
           hit->primitive = primitive;

@@ -109,6 +109,7 @@ typedef struct Material {
   float weight;                 // blend: that the second one is chosen
   uint weight_texture;
   uint first, second;           // blend: the two materials
+  uint normal_turned;           // 1: of the normal texture, x and y point the other way
 } Material;
 
 enum TextureKind { TEXTURE_BITMAP, TEXTURE_CHECKERBOARD, TEXTURE_VERTEX_ATTRIBUTE, TEXTURE_FACE_ATTRIBUTE };

@@ -1,5 +1,8 @@
 #include "bsdf_reader.h"
 
+#include <sstream>
+
+#include "bsdf_wrapper.h"
 #include "conductors.h"
 #include "property.h"
 #include "refractive_indices.h"
@@ -12,20 +15,89 @@ constexpr double MAX_INDEX = 1e6;
 
 packed_float3 packed(glm::dvec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
-void refuse_children(const Element& element) {
-  if (!element.children.empty()) refuse(element.children[0].where, "nothing may be nested in " + describe(element));
+// An element and where what it names is found.
+struct Source {
+  Document& document;
+  std::uint32_t index;
+  KnownTextures& textures;
+  World& world;
+  Element& element() const { return document.elements[index]; }
+};
+
+// A colour in [0, 1], or the texture that takes its place.
+void read_reflectance(const Source& source, const std::string& name, double missing, packed_float3& constant, uint& texture) {
+  texture = texture_property(source.document, source.index, name, source.textures, source.world);
+  if (texture == 0) constant = packed(reflectance_property(source.element(), name, missing));
 }
 
-Material diffuse(Element& element) {
+double number_between(Element& element, const std::string& name, double missing, double least, double greatest, const char* range) {
+  const double value = number_property(element, name, missing);
+  if (!(value >= least && value <= greatest))
+    refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " lies outside " + range);
+  return value;
+}
+
+// A number, or the texture that it becomes a factor of: `scale` times what the scene file says.
+void read_roughness(const Source& source, const std::string& name, double missing, double most, const char* range, double scale,
+                    Material& material) {
+  material.roughness_texture = texture_property(source.document, source.index, name, source.textures, source.world);
+  const double value = material.roughness_texture != 0 ? 1.0 : number_between(source.element(), name, missing, 0.0, most, range);
+  material.roughness = static_cast<float>(scale * value);
+}
+
+Material diffuse(const Source& source) {
   Material material{};
   material.kind = MATERIAL_DIFFUSE;
-  material.reflectance = packed(reflectance_property(element, "reflectance", 0.5));
+  read_reflectance(source, "reflectance", 0.5, material.reflectance, material.reflectance_texture);
   return material;
 }
 
-Material conductor(Element& element) {
+// Mitsuba 0.6's: alpha is the roughness of a Beckmann distribution, sigma that of Oren and Nayar.
+constexpr double SIGMA_OF_ALPHA = 0.70710678118654752;
+
+Material rough_diffuse(const Source& source) {
   Material material{};
-  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
+  material.kind = boolean_property(source.element(), "use_fast_approx", false) ? MATERIAL_OREN_NAYAR_FAST : MATERIAL_OREN_NAYAR;
+  read_reflectance(source, "reflectance", 0.5, material.reflectance, material.reflectance_texture);
+  read_roughness(source, "alpha", 0.2, 2.0, "[0, 2]", SIGMA_OF_ALPHA, material);
+  return material;
+}
+
+void require_number(Element& element, const std::string& name, double missing, double only) {
+  const double value = number_property(element, name, missing);
+  if (value == only) return;
+  std::ostringstream text;
+  text << "\"" << name << "\" of " << describe(element) << " is " << value << (has_property(element, name) ? "" : " by default")
+       << ", which is not supported (supported: " << only << ")";
+  refuse(where_is(element, name), text.str());
+}
+
+// The diffuse part of Disney's model alone: all the others must be off. `specular`, or `eta` in its place, is on by default.
+Material principled(const Source& source) {
+  Element& element = source.element();
+  if (has_property(element, "eta")) {
+    if (has_property(element, "specular"))
+      refuse(where_is(element, "eta"), "\"eta\" of " + describe(element) + " excludes \"specular\"");
+    require_number(element, "eta", 1.0, 1.0);
+  } else {
+    require_number(element, "specular", 0.5, 0.0);
+  }
+  for (const char* name : {"metallic", "spec_trans", "flatness", "sheen", "clearcoat", "anisotropic", "spec_tint", "sheen_tint",
+                           "clearcoat_gloss"})
+    require_number(element, name, 0.0, 0.0);
+  for (const char* name : {"diffuse_reflectance_sampling_rate", "main_specular_sampling_rate", "clearcoat_sampling_rate"})
+    number_property(element, name, 1.0);  // of its noise alone
+  Material material{};
+  material.kind = MATERIAL_DISNEY;
+  read_reflectance(source, "base_color", 0.5, material.reflectance, material.reflectance_texture);
+  read_roughness(source, "roughness", 0.5, 1.0, "[0, 1]", 1.0, material);
+  return material;
+}
+
+Material conductor(const Source& source) {
+  Element& element = source.element();
+  Material material{};
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
   const auto name = string_property(element, "material").value_or("none");
   const bool has_indices = has_property(element, "eta") || has_property(element, "k");
   if (name != "none") {
@@ -73,11 +145,13 @@ double refractive_index(Element& element, const std::string& name, const std::st
   return *value;
 }
 
-Material dielectric(Element& element) {
+// Smooth or thin: what is named alike is alike.
+Material dielectric(const Source& source, MaterialKind kind) {
+  Element& element = source.element();
   Material material{};
-  material.kind = MATERIAL_DIELECTRIC;
-  material.reflectance = packed(reflectance_property(element, "specular_reflectance", 1.0));
-  material.transmittance = packed(reflectance_property(element, "specular_transmittance", 1.0));
+  material.kind = kind;
+  read_reflectance(source, "specular_reflectance", 1.0, material.reflectance, material.reflectance_texture);
+  read_reflectance(source, "specular_transmittance", 1.0, material.transmittance, material.transmittance_texture);
   const double eta = refractive_index(element, "int_ior", "bk7") / refractive_index(element, "ext_ior", "air");
   if (!(eta >= 1.0 / MAX_INDEX && eta <= MAX_INDEX))
     refuse(where_is(element, "ext_ior"),
@@ -86,49 +160,43 @@ Material dielectric(Element& element) {
   return material;
 }
 
-SurfaceMaterials twosided(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  const auto& element = document.elements[index];
-  if (element.children.empty() || element.children.size() > 2)
-    refuse(element.where, describe(element) + " holds " + std::to_string(element.children.size()) +
-                              " objects, one or two <bsdf> are expected");
-  SurfaceMaterials sides[2];
-  for (std::size_t i = 0; i < element.children.size(); ++i) {
-    const auto& child = element.children[i];
-    if (document.elements[child.element].tag != "bsdf")
-      refuse(child.where, describe(document.elements[child.element]) + " is not supported in " + describe(element) +
-                              " (supported: bsdf)");
-    sides[i] = read_bsdf(document, child.element, known, world);
-    if (world.materials[sides[i].front].kind == MATERIAL_DIELECTRIC)
-      refuse(child.where, describe(document.elements[child.element]) + " lets light through and cannot be nested in " +
-                              describe(element));
-  }
-  return {sides[0].front, sides[element.children.size() - 1].front};
+bool lets_light_through(const Material& material) {
+  return material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN_DIELECTRIC;
 }
 
 }  // namespace
 
 SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
-  if (const auto found = known.find(index); found != known.end()) return found->second;
+  if (const auto found = known.elements.find(index); found != known.elements.end()) return found->second;
   auto& element = document.elements[index];
   SurfaceMaterials result;
-  if (element.type == "twosided") {
-    result = twosided(document, index, known, world);
+  if (is_wrapper(element)) {
+    result = read_wrapper(document, index, known, world);
   } else {
+    const Source source{document, index, known.textures, world};
     Material material;
     if (element.type == "diffuse")
-      material = diffuse(element);
+      material = diffuse(source);
     else if (element.type == "conductor")
-      material = conductor(element);
+      material = conductor(source);
     else if (element.type == "dielectric")
-      material = dielectric(element);
+      material = dielectric(source, MATERIAL_DIELECTRIC);
+    else if (element.type == "thindielectric")
+      material = dielectric(source, MATERIAL_THIN_DIELECTRIC);
+    else if (element.type == "roughdiffuse")
+      material = rough_diffuse(source);
+    else if (element.type == "principled")
+      material = principled(source);
     else
-      refuse(element.where, describe(element) + " is not supported (supported: conductor, dielectric, diffuse, twosided)");
-    refuse_children(element);
+      refuse(element.where, describe(element) +
+                                " is not supported (supported: blendbsdf, bumpmap, conductor, dielectric, diffuse, mask, "
+                                "normalmap, principled, roughdiffuse, thindielectric, twosided)");
+    refuse_unasked_children(document, element);
     result.front = static_cast<uint>(world.materials.size());
-    if (material.kind == MATERIAL_DIELECTRIC) result.back = result.front;
+    if (lets_light_through(material)) result.back = result.front;
     world.materials.push_back(material);
   }
-  known[index] = result;
+  known.elements[index] = result;
   return result;
 }
 

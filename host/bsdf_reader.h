@@ -1,9 +1,10 @@
-// <bsdf>: diffuse, conductor, dielectric, twosided.
+// <bsdf>: diffuse, roughdiffuse, principled, conductor, dielectric, thindielectric; those that hold others are in bsdf_wrapper.h.
 #pragma once
 
 #include <map>
 
 #include "document.h"
+#include "texture_reader.h"
 #include "world.h"
 
 namespace oclair {
@@ -14,8 +15,11 @@ struct SurfaceMaterials {
   uint back = NONE;
 };
 
-// BSDF elements that have been read; shared ones become one material.
-using KnownBsdfs = std::map<std::uint32_t, SurfaceMaterials>;
+// BSDF elements that have been read, and their textures; shared ones become one material.
+struct KnownBsdfs {
+  std::map<std::uint32_t, SurfaceMaterials> elements;
+  KnownTextures textures;
+};
 
 // Reads the element once, appends its materials to the world. Throws Error(Exit::scene).
 SurfaceMaterials read_bsdf(Document& document, std::uint32_t element, KnownBsdfs& known, World& world);

@@ -23,7 +23,8 @@ constexpr std::size_t MAX_INCLUDES = 1000;
 constexpr std::size_t MAX_TEXT = std::size_t{1} << 28;  // bytes of XML, all files together
 constexpr std::size_t MAX_PROPERTIES = 100;             // of one element: they are searched one by one
 
-const std::set<std::string> OBJECT_TAGS = {"bsdf", "emitter", "film", "integrator", "rfilter", "sampler", "sensor", "shape"};
+const std::set<std::string> OBJECT_TAGS = {"bsdf",    "emitter", "film",  "integrator", "rfilter",
+                                           "sampler", "sensor",  "shape", "texture"};
 
 struct Parser {
   Document document;
@@ -120,7 +121,7 @@ void read_content(Parser& parser, Source& source, pugi::xml_node node, std::uint
       refuse(at, (*type ? "<" + tag + " type=\"" + type + "\">" : in_brackets(child)) +
                      " is not supported (supported: alias, boolean, bsdf, default, emitter, film, float, include, integer, "
                      "integrator, path, point, "
-                     "ref, rfilter, rgb, sampler, sensor, shape, spectrum, string, transform, vector)");
+                     "ref, rfilter, rgb, sampler, sensor, shape, spectrum, string, texture, transform, vector)");
     }
   }
 }

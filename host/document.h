@@ -30,6 +30,7 @@ struct Child {
   std::string where;  // of the <ref>, or of the nested element
   std::string ref;    // id that a <ref> names; empty if nested
   std::uint32_t element = 0;
+  bool asked = false;
 };
 
 struct Element {

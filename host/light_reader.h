@@ -1,17 +1,16 @@
-// <emitter>: area, point, directional, constant.
+// <emitter>: area, point, spot, directional, constant, envmap.
 #pragma once
 
-#include <glm/glm.hpp>
-
 #include "document.h"
+#include "texture_reader.h"
 #include "world.h"
 
 namespace oclair {
 
-// <emitter type="area"> of a shape: its radiance, W/(m^2 sr). Throws Error(Exit::scene).
-glm::dvec3 read_area_light(Element& element);
+// <emitter type="area"> of a shape: its radiance, W/(m^2 sr), or the texture of it. Throws Error(Exit::scene).
+void read_area_light(Document& document, std::uint32_t element, KnownTextures& textures, World& world, WorldShape& shape);
 
-// point, directional and constant: appends the light to the world. Throws Error(Exit::scene).
-void read_light(Element& element, World& world);
+// All others: appends the light to the world. Throws Error(Exit::scene).
+void read_light(Document& document, std::uint32_t element, KnownTextures& textures, World& world);
 
 }  // namespace oclair

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "error.h"
 
@@ -33,18 +34,23 @@ bool MaterialPlacer::is_attribute(uint reference) const {
 
 bool MaterialPlacer::texture_needs_uv(uint reference) const { return reference != 0 && !is_attribute(reference); }
 
-bool MaterialPlacer::uses_attributes(uint index) const {
-  const Material& m = world_.materials[index];
-  return std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return is_attribute(m.*texture); }) ||
-         (m.kind == MATERIAL_BLEND && (uses_attributes(m.first) || uses_attributes(m.second)));
+bool MaterialPlacer::any_texture(uint index, bool (MaterialPlacer::*holds)(uint) const) const {
+  std::vector<uint> left = {index};
+  std::set<uint> seen;
+  while (!left.empty()) {
+    const uint i = left.back();
+    left.pop_back();
+    if (i == NONE || !seen.insert(i).second) continue;
+    const Material& m = world_.materials[i];
+    if (std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return (this->*holds)(m.*texture); })) return true;
+    if (m.kind == MATERIAL_BLEND) left.insert(left.end(), {m.first, m.second});
+  }
+  return false;
 }
 
-bool MaterialPlacer::needs_uv(uint index) const {
-  if (index == NONE) return false;
-  const Material& m = world_.materials[index];
-  return std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return texture_needs_uv(m.*texture); }) ||
-         (m.kind == MATERIAL_BLEND && (needs_uv(m.first) || needs_uv(m.second)));
-}
+bool MaterialPlacer::uses_attributes(uint index) const { return any_texture(index, &MaterialPlacer::is_attribute); }
+
+bool MaterialPlacer::needs_uv(uint index) const { return any_texture(index, &MaterialPlacer::texture_needs_uv); }
 
 uint MaterialPlacer::material(uint index) {
   if (index == NONE) return NONE;
@@ -98,6 +104,9 @@ Texture MaterialPlacer::attribute(const WorldTexture& source) {
     throw Error(Exit::scene, source.where + ": the shape at " + shape_->where + " has no attribute \"" + source.attribute +
                                  "\" (it has: " + (names.empty() ? "none" : names) + ")");
   }
+  if (found->values.empty())
+    throw Error(Exit::scene, source.where + ": the attribute \"" + source.attribute + "\" of the shape at " + shape_->where +
+                                 " is of integers, expected floating-point numbers");
   Texture t{};
   t.kind = found->per_face ? TEXTURE_FACE_ATTRIBUTE : TEXTURE_VERTEX_ATTRIBUTE;
   t.channels = found->channels;

@@ -31,6 +31,8 @@ class MaterialPlacer {
   bool texture_needs_uv(uint reference) const;
 
  private:
+  // Of the material, or of what a blend of it comes down to; shared ones are asked once.
+  bool any_texture(uint material, bool (MaterialPlacer::*holds)(uint) const) const;
   bool uses_attributes(uint material) const;
   bool is_attribute(uint reference) const;
   Texture attribute(const WorldTexture& source);

@@ -60,12 +60,24 @@ std::vector<glm::dvec3> placed(const std::vector<glm::dvec3>& positions, const g
   return result;
 }
 
-Mesh flat_mesh(const std::vector<glm::dvec3>& positions, const std::vector<glm::uvec3>& triangles,
-               const std::vector<glm::dvec3>& fronts, const MeshOptions& options) {
-  Mesh mesh{.positions = placed(positions, options.to_world), .triangles = triangles};
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
+// Squares [-1, 1]^2 of their own four vertices; x, y and the normal are directions along the axes, uv runs with x and y.
+struct Square {
+  glm::dvec3 center, x, y, normal;
+};
+
+Mesh squares(const std::vector<Square>& sides, const MeshOptions& options) {
+  std::vector<glm::dvec3> positions;
+  Mesh mesh;
+  for (const auto& s : sides) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    positions.insert(positions.end(), {s.center - s.x - s.y, s.center + s.x - s.y, s.center + s.x + s.y, s.center - s.x + s.y});
+    mesh.uvs.insert(mesh.uvs.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+    mesh.triangles.insert(mesh.triangles.end(), {{first, first + 1, first + 2}, {first + 2, first + 3, first}});
+  }
+  mesh.positions = placed(positions, options.to_world);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     auto& t = mesh.triangles[i];
-    const auto front = transform_normal(options.to_world, fronts[i]) * (options.flip_normals ? -1.0 : 1.0);
+    const auto front = transform_normal(options.to_world, sides[i / 2].normal) * (options.flip_normals ? -1.0 : 1.0);
     if (glm::dot(face_normal(mesh.positions, t), front) < 0.0) std::swap(t.y, t.z);
   }
   return mesh;
@@ -113,26 +125,20 @@ Mesh to_world(const ObjectMesh& source, const MeshOptions& options) {
 }
 
 Mesh rectangle_mesh(const MeshOptions& options) {
-  const glm::dvec3 z(0.0, 0.0, 1.0);
-  return flat_mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {2, 3, 0}}, {z, z}, options);
+  return squares({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, options);
 }
 
 Mesh cube_mesh(const MeshOptions& options) {
-  // Corner i has the coordinates that the bits of i say: bit 0 is x.
-  std::vector<glm::dvec3> corners;
-  for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1});
-  std::vector<glm::uvec3> triangles;
-  std::vector<glm::dvec3> fronts;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side) {
-      const std::uint32_t u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3, base = side ? 1u << axis : 0u;
-      triangles.push_back({base, base + u, base + u + v});
-      triangles.push_back({base, base + u + v, base + v});
-      glm::dvec3 front(0.0);
-      front[axis] = side ? 1.0 : -1.0;
-      fronts.insert(fronts.end(), 2, front);
-    }
-  return flat_mesh(corners, triangles, fronts, options);
+  // The directions of u and v are Mitsuba's, measured: (normal, u, v).
+  constexpr int SIDES[6][3][3] = {{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+                                  {{0, -1, 0}, {0, 0, 1}, {1, 0, 0}}, {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}},
+                                  {{0, 0, -1}, {0, -1, 0}, {1, 0, 0}}, {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}}};
+  std::vector<Square> sides;
+  for (const auto& side : SIDES) {
+    const auto axis = [&](int i) { return glm::dvec3(side[i][0], side[i][1], side[i][2]); };
+    sides.push_back({axis(0), axis(1), axis(2), axis(0)});
+  }
+  return squares(sides, options);
 }
 
 }  // namespace oclair

@@ -17,7 +17,8 @@ struct ObjectMesh {
   std::vector<glm::dvec2> uvs;      // one per position, or none
   std::vector<glm::uvec3> triangles;
   std::vector<MeshAttribute> attributes;
-  std::size_t concave_polygons = 0;  // that the fan of append_polygon covers wrongly
+  std::size_t concave_polygons = 0;     // that the fan of append_polygon covers wrongly
+  std::size_t vertices_without_uv = 0;  // of a mesh whose other vertices have them: (0, 0)
 };
 
 struct MeshOptions {

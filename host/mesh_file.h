@@ -1,11 +1,13 @@
-// Meshes from files: Wavefront OBJ and PLY.
+// Meshes from files: Wavefront OBJ, PLY and Mitsuba's serialized meshes.
 //
 // Read by hand, not by Assimp: docs/decisions/mesh-files.md says why.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "mesh.h"
 
@@ -16,14 +18,20 @@ struct MeshFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Positions, vertex normals and faces; corners that share position, normal and texture indices become one vertex. Everything
+// Positions, vertex normals, texture coordinates and faces; corners that share all three indices become one vertex. Everything
 // else in the file (materials, groups, lines, points) is skipped. Indices may be negative: counted from the last.
 // Throws MeshFileError with "line n: ...".
 ObjectMesh parse_obj(std::string_view text);
 
-// ASCII and binary of both byte orders; x y z, nx ny nz of the vertices and the index lists of the faces; other elements
-// and properties are skipped. Throws MeshFileError.
+// ASCII and binary of both byte orders; x y z, nx ny nz, u v (or s t, texture_u texture_v) of the vertices, the index lists of
+// the faces, and the attributes of both: r g b (or red green blue) are the attribute "color"; one property NAME_x, or the three
+// NAME_x NAME_y NAME_z one after another, are the attribute NAME, likewise with the endings 0 1 2 and 1 2 3, and with r g b the
+// attribute NAME_color. Other elements and properties are skipped. Throws MeshFileError.
 ObjectMesh parse_ply(std::string_view bytes);
+
+// The shape of that number in a file of Mitsuba's serialized meshes, versions 3 and 4. Like Mitsuba it takes no notice of the
+// flag for face normals. Colours become the attribute "vertex_color". Throws MeshFileError.
+ObjectMesh parse_serialized(std::string_view file, std::uint64_t shape_index);
 
 // The whole file. Throws MeshFileError.
 std::string read_mesh_file(const std::filesystem::path& file);

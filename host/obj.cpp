@@ -28,7 +28,7 @@ struct CornerHash {
 
 struct ObjParser {
   std::vector<glm::dvec3> positions, normals;
-  std::size_t texture_count = 0;
+  std::vector<glm::dvec2> textures;
   // Vertices that corners have become. Nearly every position is used with one pair of texture and normal: that vertex is
   // found without hashing, the others are in `further`.
   std::vector<Corner> corners;              // of each vertex
@@ -52,13 +52,14 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-glm::dvec3 three_numbers(const ObjParser& parser, std::string_view line) {
-  glm::dvec3 result;
-  for (int i = 0; i < 3; ++i) {
+template <int COUNT>
+glm::vec<COUNT, double> numbers(const ObjParser& parser, std::string_view line) {
+  glm::vec<COUNT, double> result;
+  for (int i = 0; i < COUNT; ++i) {
     const auto word = next_word(line);
     const auto number = parse_number(word);
     if (!number)
-      fail(parser, word.empty() ? "three numbers are expected"
+      fail(parser, word.empty() ? std::string(COUNT == 3 ? "three" : "two") + " numbers are expected"
                                 : "\"" + std::string(word.substr(0, 40)) + "\" is not a finite number");
     result[i] = *number;
   }
@@ -87,7 +88,7 @@ Corner corner_of(const ObjParser& parser, std::string_view word) {
     if (part == 0)
       corner.position = index_of(parser, index, parser.positions.size(), "vertex");
     else if (part == 1 && !index.empty())
-      corner.texture = index_of(parser, index, parser.texture_count, "texture coordinate");
+      corner.texture = index_of(parser, index, parser.textures.size(), "texture coordinate");
     else if (part == 2 && !index.empty())
       corner.normal = index_of(parser, index, parser.normals.size(), "normal");
     if (slash == std::string_view::npos) return corner;
@@ -115,6 +116,11 @@ std::uint32_t vertex_of(ObjParser& parser, const Corner& corner) {
   const auto with_normal = parser.mesh.normals.size();
   if (with_normal != 0 && with_normal != parser.mesh.positions.size())
     fail(parser, "some corners of faces have a normal, others have none");
+  if (corner.texture == NONE) ++parser.mesh.vertices_without_uv;
+  if (!parser.textures.empty()) {
+    parser.mesh.uvs.resize(parser.mesh.positions.size());
+    if (corner.texture != NONE) parser.mesh.uvs.back() = parser.textures[corner.texture];
+  }
   return fresh;
 }
 
@@ -139,19 +145,22 @@ ObjectMesh parse_obj(std::string_view text) {
     ++parser.line;
     const auto word = next_word(line);
     if (word == "v") {
-      parser.positions.push_back(three_numbers(parser, line));
+      parser.positions.push_back(numbers<3>(parser, line));
       parser.first_vertex.push_back(NONE);
     } else if (word == "vn")
-      parser.normals.push_back(three_numbers(parser, line));
+      parser.normals.push_back(numbers<3>(parser, line));
     else if (word == "vt")
-      ++parser.texture_count;
+      parser.textures.push_back(numbers<2>(parser, line));
     else if (word == "f")
       read_face(parser, line);
-    if (parser.positions.size() >= NONE || parser.normals.size() >= NONE || parser.texture_count >= NONE ||
+    if (parser.positions.size() >= NONE || parser.normals.size() >= NONE || parser.textures.size() >= NONE ||
         parser.mesh.positions.size() >= NONE)
       fail(parser, "there are more than 2^32 - 2 vertices");
   }
   if (parser.mesh.triangles.empty()) throw MeshFileError("it has no faces");
+  if (parser.mesh.vertices_without_uv == parser.mesh.positions.size()) parser.mesh.uvs.clear();
+  if (parser.mesh.uvs.empty()) parser.mesh.vertices_without_uv = 0;
+  else parser.mesh.uvs.resize(parser.mesh.positions.size());
   return std::move(parser.mesh);
 }
 

@@ -1,218 +1,134 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <optional>
+#include <iterator>
 #include <utility>
 
-#include "mesh_file.h"
-#include "number.h"
+#include "ply_reader.h"
 
 namespace oclair {
 
 namespace {
 
-enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-enum class Encoding { ascii, little_endian, big_endian };
+// Which attributes the properties are, and which number of an attribute each property is.
+struct Attributes {
+  std::vector<MeshAttribute> list;
+  std::vector<std::pair<int, int>> target;  // of each property: attribute and channel, or -1
 
-struct PlyProperty {
-  std::string name;
-  Scalar type = Scalar::float32;
-  std::optional<Scalar> count_type;  // of a list
-};
+  void add(const PlyElement& element, const std::string& name, std::initializer_list<std::size_t> properties) {
+    const auto at = std::find_if(list.begin(), list.end(), [&](const MeshAttribute& a) { return a.name == name; });
+    if (at != list.end()) return;
+    MeshAttribute attribute{name, element.name == "face", static_cast<uint>(properties.size()), {}};
+    int channel = 0;
+    bool floats = true;
+    for (const auto p : properties) floats &= !is_integer(element.properties[p].type);
+    for (const auto p : properties)
+      if (floats) target[p] = {static_cast<int>(list.size()), channel++};
+    list.push_back(std::move(attribute));
+  }
 
-struct PlyElement {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;
-};
-
-struct PlyReader {
-  std::string_view rest;
-  Encoding encoding = Encoding::ascii;
-  std::vector<PlyElement> elements;
-};
-
-[[noreturn]] void fail(const std::string& what) { throw MeshFileError(what); }
-
-std::optional<Scalar> scalar_named(std::string_view name) {
-  constexpr std::array<const char*, 16> NAMES = {"char",   "int8",    "uchar",  "uint8",  "short", "int16",
-                                                 "ushort", "uint16",  "int",    "int32",  "uint",  "uint32",
-                                                 "float",  "float32", "double", "float64"};
-  const auto found = std::find(NAMES.begin(), NAMES.end(), name);
-  if (found == NAMES.end()) return std::nullopt;
-  return static_cast<Scalar>((found - NAMES.begin()) / 2);
-}
-
-std::size_t size_of(Scalar type) {
-  constexpr std::size_t SIZES[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return SIZES[static_cast<int>(type)];
-}
-
-bool is_integer(Scalar type) { return type != Scalar::float32 && type != Scalar::float64; }
-
-std::string_view next_word(std::string_view& text) {
-  constexpr std::string_view BLANKS = " \t\r\n";
-  const auto begin = text.find_first_not_of(BLANKS);
-  if (begin == std::string_view::npos) return text = {};
-  text.remove_prefix(begin);
-  const auto word = text.substr(0, text.find_first_of(BLANKS));
-  text.remove_prefix(word.size());
-  return word;
-}
-
-Scalar type_in_header(std::string_view& line) {
-  const auto word = next_word(line);
-  const auto type = scalar_named(word);
-  if (!type) fail("header: \"" + std::string(word.substr(0, 40)) + "\" is not a type");
-  return *type;
-}
-
-void read_header_line(PlyReader& reader, std::string_view line, bool& has_format) {
-  const std::string word(next_word(line));
-  if (word == "format") {
-    const auto format = next_word(line), version = next_word(line);
-    if (format == "ascii")
-      reader.encoding = Encoding::ascii;
-    else if (format == "binary_little_endian")
-      reader.encoding = Encoding::little_endian;
-    else if (format == "binary_big_endian")
-      reader.encoding = Encoding::big_endian;
-    else
-      fail("header: format \"" + std::string(format.substr(0, 40)) + "\" is not known");
-    if (version != "1.0") fail("header: version 1.0 is expected");
-    has_format = true;
-  } else if (word == "element") {
-    PlyElement element;
-    element.name = next_word(line);
-    const auto count = parse_integer(next_word(line));
-    if (!count || *count < 0 || *count >= static_cast<std::int64_t>(NONE))
-      fail("header: the number of \"" + element.name.substr(0, 40) + "\" is not one");
-    element.count = static_cast<std::uint64_t>(*count);
-    reader.elements.push_back(element);
-  } else if (word == "property") {
-    if (reader.elements.empty()) fail("header: a property stands before the first element");
-    PlyProperty property;
-    auto after = line;
-    if (next_word(after) == "list") {
-      line = after;
-      property.count_type = type_in_header(line);
-      if (!is_integer(*property.count_type)) fail("header: the length of a list is not an integer");
+  // Of the vertex or face whose number that is.
+  void append(const std::vector<double>& values, std::uint64_t number) {
+    for (std::size_t p = 0; p < target.size(); ++p) {
+      if (target[p].first < 0) continue;
+      auto& attribute = list[static_cast<std::size_t>(target[p].first)];
+      const auto value = static_cast<float>(values[p]);
+      if (!std::isfinite(value))
+        fail_ply("the attribute " + attribute.name.substr(0, 40) + " of number " + std::to_string(number) + " is not finite");
+      attribute.values.resize((number + 1) * attribute.channels);
+      attribute.values[number * attribute.channels + static_cast<std::size_t>(target[p].second)] = value;
     }
-    property.type = type_in_header(line);
-    property.name = next_word(line);
-    reader.elements.back().properties.push_back(property);
-  } else if (word != "comment" && word != "obj_info" && !word.empty()) {
-    fail("header: \"" + word.substr(0, 40) + "\" is not known");
   }
+};
+
+std::optional<std::size_t> property_named(const PlyElement& element, const std::string& name) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i)
+    if (element.properties[i].name == name && !element.properties[i].count_type) return i;
+  return std::nullopt;
 }
 
-void read_header(PlyReader& reader) {
-  const auto next_line = [&]() -> std::string_view {
-    const auto end = reader.rest.find('\n');
-    if (end == std::string_view::npos) fail("the header breaks off");
-    auto line = reader.rest.substr(0, end);
-    reader.rest.remove_prefix(end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    return line;
+// Grouped as Mitsuba does, see mesh_file.h. `known` are properties that mean something else.
+Attributes attributes_of(const PlyElement& element, const std::vector<std::size_t>& known) {
+  const auto& properties = element.properties;
+  Attributes result;
+  result.target.assign(properties.size(), {-1, 0});
+  const std::string kind = element.name + "_";
+  for (const auto& names : {std::array{"r", "g", "b"}, std::array{"red", "green", "blue"}}) {
+    const auto r = property_named(element, names[0]), g = property_named(element, names[1]),
+               b = property_named(element, names[2]);
+    if (r && g && b) result.add(element, kind + "color", {*r, *g, *b});
+  }
+  const auto stem = [&](std::size_t i) {
+    if (i >= properties.size() || properties[i].count_type || std::find(known.begin(), known.end(), i) != known.end())
+      return std::string();
+    const auto end = properties[i].name.rfind('_');
+    return end == std::string::npos ? std::string() : properties[i].name.substr(0, end);
   };
-  if (reader.rest.substr(0, 3) != "ply" || next_line() != "ply") fail("it does not begin with \"ply\"");
-  bool has_format = false;
-  for (auto line = next_line(); line != "end_header"; line = next_line()) read_header_line(reader, line, has_format);
-  if (!has_format) fail("header: the format is missing");
-  // Every element takes at least one byte, so that no count can promise more than the file holds.
-  for (const auto& element : reader.elements)
-    if (element.count > 0 && (element.properties.empty() || element.count > reader.rest.size()))
-      fail("it breaks off before its " + std::to_string(element.count) + " elements \"" + element.name.substr(0, 40) + "\"");
-}
-
-template <typename T>
-double decode(std::string_view bytes, Encoding encoding) {
-  char buffer[sizeof(T)];
-  std::memcpy(buffer, bytes.data(), sizeof(T));
-  const bool host_is_little = std::endian::native == std::endian::little;
-  if (host_is_little != (encoding == Encoding::little_endian)) std::reverse(buffer, buffer + sizeof(T));
-  T value;
-  std::memcpy(&value, buffer, sizeof(T));
-  return static_cast<double>(value);
-}
-
-// The next number, exactly: doubles hold all of the types.
-double read_scalar(PlyReader& reader, Scalar type) {
-  if (reader.encoding == Encoding::ascii) {
-    const auto word = next_word(reader.rest);
-    if (word.empty()) fail("it breaks off");
-    const auto number = parse_number(word);
-    if (!number) fail("\"" + std::string(word.substr(0, 40)) + "\" is not a finite number");
-    if (is_integer(type) && *number != std::floor(*number))
-      fail("\"" + std::string(word.substr(0, 40)) + "\" is not an integer");
-    return *number;
+  for (std::size_t i = 0; i < properties.size();) {
+    const std::string name = stem(i);
+    std::string endings;
+    std::size_t end = i;
+    for (; !name.empty() && stem(end) == name; ++end) endings += properties[end].name.substr(name.size() + 1) + " ";
+    for (const std::string whole : {"x y z ", "0 1 2 ", "1 2 3 ", "r g b "}) {
+      const std::string attribute = kind + name + (whole[0] == 'r' ? "_color" : "");
+      if (endings == whole) result.add(element, attribute, {i, i + 1, i + 2});
+      else if (endings == whole.substr(0, 2)) result.add(element, attribute, {i});
+    }
+    i = std::max(end, i + 1);
   }
-  const auto bytes = reader.rest.substr(0, size_of(type));
-  if (bytes.size() < size_of(type)) fail("it breaks off");
-  reader.rest.remove_prefix(bytes.size());
-  switch (type) {
-    case Scalar::int8:
-      return decode<std::int8_t>(bytes, reader.encoding);
-    case Scalar::uint8:
-      return decode<std::uint8_t>(bytes, reader.encoding);
-    case Scalar::int16:
-      return decode<std::int16_t>(bytes, reader.encoding);
-    case Scalar::uint16:
-      return decode<std::uint16_t>(bytes, reader.encoding);
-    case Scalar::int32:
-      return decode<std::int32_t>(bytes, reader.encoding);
-    case Scalar::uint32:
-      return decode<std::uint32_t>(bytes, reader.encoding);
-    case Scalar::float32:
-      return decode<float>(bytes, reader.encoding);
-    case Scalar::float64:
-      return decode<double>(bytes, reader.encoding);
-  }
-  fail("a type is not known");
-}
-
-// Calls visit(value) for each number of the property; a length that the file cannot hold ends in "it breaks off".
-template <typename Visit>
-void read_property(PlyReader& reader, const PlyProperty& property, Visit visit) {
-  if (!property.count_type) return visit(read_scalar(reader, property.type));
-  const double count = read_scalar(reader, *property.count_type);
-  if (count < 0.0) fail("the length of a list is negative");
-  for (double i = 0.0; i < count; ++i) visit(read_scalar(reader, property.type));
+  return result;
 }
 
 void read_vertices(PlyReader& reader, const PlyElement& element, ObjectMesh& mesh) {
   constexpr std::array<const char*, 6> NAMES = {"x", "y", "z", "nx", "ny", "nz"};
   std::vector<int> target(element.properties.size(), -1);
-  std::array<bool, 6> present{};
+  std::vector<std::size_t> known;
+  std::array<bool, 8> present{};
+  const auto take = [&](std::size_t property, std::size_t meaning) {
+    target[property] = static_cast<int>(meaning);
+    known.push_back(property);
+    if (std::exchange(present[meaning], true)) fail_ply("header: a property of the vertices is given twice");
+  };
   for (std::size_t i = 0; i < target.size(); ++i) {
     const auto found = std::find(NAMES.begin(), NAMES.end(), element.properties[i].name);
-    if (found == NAMES.end() || element.properties[i].count_type) continue;
-    target[i] = static_cast<int>(found - NAMES.begin());
-    if (std::exchange(present[target[i]], true)) fail("header: a property of the vertices is given twice");
+    if (found != NAMES.end() && !element.properties[i].count_type) take(i, static_cast<std::size_t>(found - NAMES.begin()));
   }
-  if (!present[0] || !present[1] || !present[2]) fail("its vertices lack x, y or z");
-  const bool has_normals = present[3] && present[4] && present[5];
+  if (!present[0] || !present[1] || !present[2]) fail_ply("its vertices lack x, y or z");
+  for (const auto& names : {std::array{"u", "v"}, std::array{"s", "t"}, std::array{"texture_u", "texture_v"}}) {
+    const auto u = property_named(element, names[0]), v = property_named(element, names[1]);
+    if (!u || !v || present[6]) continue;
+    take(*u, 6);
+    take(*v, 7);
+  }
+  const bool has_normals = present[3] && present[4] && present[5], has_uvs = present[6];
+  auto attributes = attributes_of(element, known);
+  std::vector<double> all(element.properties.size());
   for (std::uint64_t v = 0; v < element.count; ++v) {
-    double values[6] = {};
+    double values[8] = {};
     for (std::size_t i = 0; i < target.size(); ++i)
       read_property(reader, element.properties[i], [&](double value) {
+        all[i] = value;
         if (target[i] >= 0) values[target[i]] = value;
       });
     for (int i = 0; i < (has_normals ? 6 : 3); ++i)
-      if (!std::isfinite(values[i])) fail("vertex " + std::to_string(v) + " is not finite");
+      if (!std::isfinite(values[i])) fail_ply("vertex " + std::to_string(v) + " is not finite");
     mesh.positions.push_back({values[0], values[1], values[2]});
     if (has_normals) mesh.normals.push_back({values[3], values[4], values[5]});
     if (has_normals && mesh.normals.back() == glm::dvec3(0.0))
-      fail("the normal of vertex " + std::to_string(v) + " is zero");
+      fail_ply("the normal of vertex " + std::to_string(v) + " is zero");
+    if (has_uvs) mesh.uvs.push_back({values[6], values[7]});
+    if (!std::isfinite(values[6]) || !std::isfinite(values[7]))
+      fail_ply("the texture coordinates of vertex " + std::to_string(v) + " are not finite");
+    attributes.append(all, v);
   }
+  std::move(attributes.list.begin(), attributes.list.end(), std::back_inserter(mesh.attributes));
 }
 
 // Corners of all faces one after another, and how many each has: vertices may come later in the file.
 struct Faces {
   std::vector<std::uint32_t> corners;
   std::vector<std::uint32_t> sizes;
+  std::vector<MeshAttribute> attributes;  // one value for each face
 };
 
 void read_faces(PlyReader& reader, const PlyElement& element, std::uint64_t vertex_count, Faces& faces) {
@@ -220,22 +136,40 @@ void read_faces(PlyReader& reader, const PlyElement& element, std::uint64_t vert
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
   };
   if (std::count_if(element.properties.begin(), element.properties.end(), is_index_list) != 1)
-    fail("its faces lack a list vertex_indices");
-  for (std::uint64_t f = 0; f < element.count; ++f)
-    for (const auto& property : element.properties) {
+    fail_ply("its faces lack a list vertex_indices");
+  if (!faces.sizes.empty()) fail_ply("it has more than one element \"face\"");
+  auto attributes = attributes_of(element, {});
+  std::vector<double> all(element.properties.size());
+  for (std::uint64_t f = 0; f < element.count; ++f) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto& property = element.properties[i];
       if (!is_index_list(property)) {
-        read_property(reader, property, [](double) {});
+        read_property(reader, property, [&](double value) { all[i] = value; });
         continue;
       }
       const std::size_t first = faces.corners.size();
       read_property(reader, property, [&](double value) {
         if (!(value >= 0.0 && value < static_cast<double>(vertex_count)) || value != std::floor(value))
-          fail("face " + std::to_string(f) + " names a vertex that is not among the " + std::to_string(vertex_count));
+          fail_ply("face " + std::to_string(f) + " names a vertex that is not among the " + std::to_string(vertex_count));
         faces.corners.push_back(static_cast<std::uint32_t>(value));
       });
       faces.sizes.push_back(static_cast<std::uint32_t>(faces.corners.size() - first));
-      if (faces.sizes.back() < 3) fail("face " + std::to_string(f) + " has fewer than three corners");
+      if (faces.sizes.back() < 3) fail_ply("face " + std::to_string(f) + " has fewer than three corners");
     }
+    attributes.append(all, f);
+  }
+  faces.attributes = std::move(attributes.list);
+}
+
+// A polygon becomes several triangles, each of which has its attributes.
+void append_face_attributes(const Faces& faces, ObjectMesh& mesh) {
+  for (const auto& source : faces.attributes) {
+    MeshAttribute attribute{source.name, true, source.channels, {}};
+    for (std::size_t f = 0; f < faces.sizes.size() && !source.values.empty(); ++f)
+      for (std::uint32_t i = 2; i < faces.sizes[f]; ++i)
+        for (uint c = 0; c < source.channels; ++c) attribute.values.push_back(source.values[f * source.channels + c]);
+    mesh.attributes.push_back(std::move(attribute));
+  }
 }
 
 }  // namespace
@@ -258,14 +192,15 @@ ObjectMesh parse_ply(std::string_view bytes) {
         for (const auto& property : element.properties) read_property(reader, property, [](double) {});
   }
   if (reader.encoding == Encoding::ascii && !next_word(reader.rest).empty())
-    fail("something follows after its last element");
-  if (faces.sizes.empty()) fail("it has no faces");
-  if (mesh.positions.size() != vertex_count) fail("it has more than one element \"vertex\"");
+    fail_ply("something follows after its last element");
+  if (faces.sizes.empty()) fail_ply("it has no faces");
+  if (mesh.positions.size() != vertex_count) fail_ply("it has more than one element \"vertex\"");
   const auto* corner = faces.corners.data();
   for (const auto size : faces.sizes) {
     append_polygon(mesh, {corner, size});
     corner += size;
   }
+  append_face_attributes(faces, mesh);
   return mesh;
 }
 

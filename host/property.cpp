@@ -144,4 +144,11 @@ std::vector<std::string> unasked_properties(const Document& document) {
   return lines;
 }
 
+void refuse_unasked_children(const Document& document, const Element& element) {
+  for (const auto& child : element.children)
+    if (!child.asked)
+      refuse(child.where, describe(document.elements[child.element]) + (child.name.empty() ? "" : " \"" + child.name + "\"") +
+                              " is not supported in " + describe(element));
+}
+
 }  // namespace oclair

@@ -40,4 +40,7 @@ glm::dvec3 emission_property(Element& element, const std::string& name);
 // One warning line for each value of any element that nobody asked for.
 std::vector<std::string> unasked_properties(const Document& document);
 
+// Throws Error(Exit::scene) if an object is nested in the element, or referred to, that nobody asked for.
+void refuse_unasked_children(const Document& document, const Element& element);
+
 }  // namespace oclair

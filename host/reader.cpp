@@ -32,7 +32,9 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
       read_bsdf(document, child.element, context.bsdfs, world);
     } else if (element.tag == "emitter") {
       // An area light that stands alone to be referred to by a shape shines there.
-      if (element.type != "area") read_light(element, world);
+      if (element.type != "area") read_light(document, child.element, context.bsdfs.textures, world);
+    } else if (element.tag == "texture") {
+      read_texture(document, child.element, context.bsdfs.textures, world);
     } else if (element.tag == "integrator") {
       if (std::exchange(has_integrator, true)) refuse(child.where, "<scene> has more than one <integrator>");
       read_integrator(document, child.element, world);
@@ -43,9 +45,10 @@ void read_children(Document& document, World& world, const std::optional<glm::uv
         world.warnings.push_back(child.where + ": the scene is seen by its first <sensor>, this one is not used");
     } else {
       refuse(child.where,
-             describe(element) + " is not supported in <scene> (supported: bsdf, emitter, integrator, sensor, shape)");
+             describe(element) + " is not supported in <scene> (supported: bsdf, emitter, integrator, sensor, shape, texture)");
     }
   }
+  place_instances(context, world);
   const std::string& where = document.elements[0].where;
   if (!has_sensor) refuse(where, "<scene> has no <sensor>");
   if (!has_integrator) world.warnings.push_back(where + ": <scene> has no <integrator>; path with its defaults is used");

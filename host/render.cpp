@@ -40,7 +40,9 @@ void launch(Renderer& renderer, std::size_t base, std::size_t items, uint sample
 
 }  // namespace
 
-KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) { return {scene.features, bvh.width, bvh.stack_size()}; }
+KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
+  return {scene.features, bvh.width, bvh.stack_size(), scene.approximations};
+}
 
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);

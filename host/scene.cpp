@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "distribution.h"
 #include "error.h"
 #include "filter.h"
+#include "light_placer.h"
 #include "material_placer.h"
 
 namespace oclair {
@@ -20,27 +20,7 @@ packed_float3 pack(const glm::dvec3& v) {
 
 glm::dvec3 unpack(const packed_float3& v) { return {v.x, v.y, v.z}; }
 
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }  // Rec. ITU-R BT.709
-
 double largest(const glm::dvec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
-
-// What the lights of the scene are gathered in, with the flux that decides how often each is chosen.
-struct Lights {
-  std::vector<Light>& list;
-  std::vector<double> flux;
-  double illumination = 0.0;  // irradiance at distance 1, all lights together, the largest channel
-  double brightest = 0.0;     // radiance of an area light
-
-  void add(Light light, double power, double irradiance, double radiance) {
-    list.push_back(light);
-    flux.push_back(power);
-    illumination += irradiance;
-    brightest = std::max(brightest, radiance);
-  }
-
-  // The film is laid out for what is lit; its headroom of 2^40 must also hold a small bright light seen directly.
-  double film_scale() const { return std::max(illumination, std::ldexp(brightest, -30)); }
-};
 
 Features material_features(const Material& m) {
   Features features = 0;
@@ -77,23 +57,6 @@ std::vector<uint> triangles_with_area(const std::vector<packed_float3>& position
   return faces;
 }
 
-void add_triangle_light(Scene& scene, Lights& lights, const WorldShape& source, uint texture, uint primitive) {
-  const packed_uint3 v = scene.triangles[primitive];
-  const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
-  const double area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0)), brightest = largest(*source.radiance);
-  Light light{};
-  light.kind = LIGHT_TRIANGLE;
-  light.radiance = pack(*source.radiance);
-  light.position = pack(p0);
-  light.edge1 = pack(p1 - p0);
-  light.edge2 = pack(p2 - p0);
-  light.primitive = primitive;
-  light.area = static_cast<float>(area);
-  light.texture = texture;
-  light.split = 1;
-  lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
-}
-
 // Appends what varies with the vertices; returns where it begins, or NONE.
 template <class Out, class In, class Convert>
 uint append_vertices(std::vector<Out>& out, const std::vector<In>& in, Convert convert) {
@@ -103,7 +66,7 @@ uint append_vertices(std::vector<Out>& out, const std::vector<In>& in, Convert c
   return first;
 }
 
-void add_mesh(Scene& scene, Lights& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
+void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
   const Mesh& mesh = source.mesh;
   const std::size_t first_position = scene.positions.size();
   if (first_position + mesh.positions.size() >= NONE || scene.triangles.size() + mesh.triangles.size() >= QUADRIC_BIT)
@@ -124,16 +87,13 @@ void add_mesh(Scene& scene, Lights& lights, MaterialPlacer& materials, const Wor
     shape.first_uv = append_vertices(scene.uvs, mesh.uvs, [](const glm::dvec2& uv) {
       return std::array{static_cast<float>(uv.x), static_cast<float>(uv.y)};
     });
-  const bool emits = source.radiance && largest(*source.radiance) > 0.0 && !faces.empty();
-  if (emits) shape.first_light = static_cast<uint>(scene.lights.size());
   for (const uint face : faces) {
     const glm::uvec3 t = mesh.triangles[face], v = t + glm::uvec3(static_cast<uint>(first_position));
-    const uint primitive = static_cast<uint>(scene.triangles.size());
     scene.triangles.push_back({v.x, v.y, v.z});
     scene.triangle_shape.push_back(shape_index);
     scene.triangle_vertices.push_back({t.x, t.y, t.z});
-    if (emits) add_triangle_light(scene, lights, source, texture, primitive);
   }
+  if (source.radiance) lights.add_mesh(shape, *source.radiance, texture);
 }
 
 double quadric_area(Geometry geometry, const glm::dmat4& to_canonical) {
@@ -145,7 +105,7 @@ double quadric_area(Geometry geometry, const glm::dmat4& to_canonical) {
   }
 }
 
-void add_quadric(Scene& scene, Lights& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
+void add_quadric(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
   glm::dmat4 map = source.to_world;
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) map[c][r] = scene.frame.place_length(map[c][r]);
@@ -171,24 +131,12 @@ void add_quadric(Scene& scene, Lights& lights, MaterialPlacer& materials, const 
   scene.shapes[shape_index].material_front = materials.material(source.material_front);
   scene.shapes[shape_index].material_back = materials.material(source.material_back);
   quadric.flip = source.flip_normals ? -1.0f : 1.0f;
-  const double area = quadric_area(source.geometry, map);
-  quadric.area = static_cast<float>(area);
-  const double brightest = source.radiance ? largest(*source.radiance) : 0.0;
-  if (brightest > 0.0) {
-    scene.shapes[shape_index].first_light = static_cast<uint>(scene.lights.size());
-    Light light{};
-    light.kind = LIGHT_QUADRIC;
-    light.radiance = pack(*source.radiance);
-    light.primitive = QUADRIC_BIT | static_cast<uint>(scene.quadrics.size());
-    light.area = quadric.area;
-    light.texture = materials.texture(source.radiance_texture);
-    light.split = 1;
-    lights.add(light, glm::pi<double>() * area * luminance(*source.radiance), area * brightest, brightest);
-  }
+  quadric.area = static_cast<float>(quadric_area(source.geometry, map));
   scene.quadrics.push_back(quadric);
+  if (source.radiance) lights.add_quadric(scene.shapes[shape_index], *source.radiance, materials.texture(source.radiance_texture));
 }
 
-void add_shapes(Scene& scene, Lights& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
+void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
   for (WorldShape& source : sources) {
     const uint index = static_cast<uint>(scene.shapes.size());
     scene.shapes.push_back({NONE, NONE, NONE, 1, 0, NONE, NONE});
@@ -201,67 +149,56 @@ void add_shapes(Scene& scene, Lights& lights, MaterialPlacer& materials, std::ve
   if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) scene.triangle_vertices.clear();
 }
 
-void add_lights(Scene& scene, Lights& lights, const std::vector<WorldLight>& sources) {
-  // Radius^2 of a sphere around [-1, 1]^3: what directional and constant light send into the scene.
-  const double radius2 = 3.0;
-  for (const WorldLight& source : sources) {
-    if (!(largest(source.value) > 0.0)) continue;
-    Light light{};
-    light.kind = source.kind;
-    light.primitive = NONE;
-    glm::dvec3 value = source.value;
-    double flux = 0.0, distance2 = 1.0;
-    if (source.kind == LIGHT_POINT) {
-      for (int c = 0; c < 3; ++c) value[c] = std::ldexp(value[c], -2 * scene.frame.exponent);
-      const glm::dvec3 position = scene.frame.place(source.position);
-      light.position = pack(position);
-      // From far away an intensity says nothing about the image: what arrives counts, at a distance of 1 if the light is nearer.
-      const glm::dvec3 outside = glm::max(glm::abs(position) - 1.0, 0.0);
-      distance2 = std::max(1.0, glm::dot(outside, outside));
-      flux = 4.0 * glm::pi<double>() * luminance(value);
-    } else if (source.kind == LIGHT_DIRECTIONAL) {
-      light.position = pack(source.position);
-      flux = glm::pi<double>() * radius2 * luminance(value);
-    } else {
-      scene.settings.environment = pack(value);
-      flux = 4.0 * glm::pi<double>() * glm::pi<double>() * radius2 * luminance(value);
-    }
-    light.radiance = pack(value);
-    if (!(light.radiance.x + light.radiance.y + light.radiance.z > 0.0f)) continue;  // too weak for float32: no light
-    lights.add(light, flux, largest(value) / distance2, 0.0);
-  }
-}
-
-void finish_lights(Scene& scene, const Lights& lights) {
-  scene.settings.light_count = static_cast<uint>(scene.lights.size());
-  if (scene.lights.empty()) return;
-  scene.light_cdf = distribution(lights.flux);
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    const std::uint64_t end = i + 1 < scene.lights.size() ? scene.light_cdf[i] : std::uint64_t{1} << 32;
-    scene.lights[i].probability = static_cast<float>(std::ldexp(static_cast<double>(end - below), -32));
-    below = end;
-    if (scene.lights[i].kind == LIGHT_CONSTANT) scene.settings.environment_probability = scene.lights[i].probability;
-  }
-  std::frexp(lights.film_scale(), &scene.settings.film_exponent);
+// How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,
+// which lies in [-1, 1]^3. Negative: some start beyond its beginning.
+double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3& step_x, const glm::dvec3& step_y,
+                const glm::dvec3& axis) {
+  const glm::dvec3 reach = glm::abs(axis);
+  double way = std::numeric_limits<double>::infinity();
+  for (const double x : {-film.filter_radius, film.width + film.filter_radius})
+    for (const double y : {-film.filter_radius, film.height + film.filter_radius})
+      way = std::min(way, -glm::dot(axis, first + x * step_x + y * step_y));
+  return way - (1.0 + 0x1p-10) * (reach.x + reach.y + reach.z);
 }
 
 Camera place_camera(const WorldCamera& source, const WorldFilm& film, const CanonicalFrame& frame) {
-  const glm::dmat3 rotation(source.to_world);
+  const glm::dmat3 linear(source.to_world);
   const glm::dvec2 size(film.width, film.height);
   const glm::dvec2 half(source.tan_half_fov_x, source.tan_half_fov_x * size.y / size.x);
   const glm::dvec2 corner = half * (1.0 - 2.0 * source.principal_point_offset);  // film position (0, 0): left is +x, up is +y
   const glm::dvec2 step = -2.0 * half / size;
+  const auto length = [&](double world) { return std::min(frame.place_length(world), 1e30); };
+  const auto vector = [&](const glm::dvec3& v) {
+    return glm::dvec3(frame.place_length(v.x), frame.place_length(v.y), frame.place_length(v.z));
+  };
+  const glm::dvec3 axis = glm::normalize(linear[2]);
+  glm::dvec3 origin = frame.place(glm::dvec3(source.to_world[3]));
+  glm::dvec3 across = linear * glm::dvec3(corner, source.orthographic ? 0.0 : 1.0);
+  glm::dvec3 step_x = linear * glm::dvec3(step.x, 0.0, 0.0), step_y = linear * glm::dvec3(0.0, step.y, 0.0);
+  double near_clip = length(source.near_clip), far_clip = length(source.far_clip);
+  if (source.orthographic) {
+    across = vector(across);
+    step_x = vector(step_x);
+    step_y = vector(step_y);
+    // The rays start where the scene can begin, in double: in float32 those of a camera 10^6 away would lie 0.06 off.
+    const double start = std::clamp(free_way(film, origin + across, step_x, step_y, axis), near_clip, far_clip);
+    origin += start * axis;
+    near_clip = 0.0;
+    far_clip -= start;
+  }
   Camera camera{};
-  camera.origin = pack(frame.place(glm::dvec3(source.to_world[3])));
-  camera.corner = pack(rotation * glm::dvec3(corner, 1.0));
-  camera.step_x = pack(rotation * glm::dvec3(step.x, 0.0, 0.0));
-  camera.step_y = pack(rotation * glm::dvec3(0.0, step.y, 0.0));
-  camera.axis = pack(rotation * glm::dvec3(0.0, 0.0, 1.0));
-  camera.aperture_radius = static_cast<float>(frame.place_length(source.aperture_radius));
-  camera.focus_distance = static_cast<float>(frame.place_length(source.focus_distance));
-  camera.near_clip = static_cast<float>(frame.place_length(source.near_clip));
-  camera.far_clip = static_cast<float>(std::min(frame.place_length(source.far_clip), 1e30));
+  camera.orthographic = source.orthographic;
+  camera.origin = pack(origin);
+  camera.corner = pack(across);
+  camera.step_x = pack(step_x);
+  camera.step_y = pack(step_y);
+  camera.axis = pack(axis);
+  if (source.aperture_radius > 0.0) {
+    camera.aperture_radius = static_cast<float>(length(source.aperture_radius));
+    camera.focus_distance = static_cast<float>(std::max(length(source.focus_distance), 1e-30));
+  }
+  camera.near_clip = static_cast<float>(near_clip);
+  camera.far_clip = static_cast<float>(far_clip);
   return camera;
 }
 
@@ -286,8 +223,9 @@ void set_settings(Scene& scene, const World& world) {
 Features features_of(const Scene& scene, const World& world) {
   Features features = 0;
   for (const Material& material : scene.materials) features |= material_features(material);
-  for (const Texture& texture : scene.textures) {
-    switch (texture.kind) {
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    if (i + 1 == scene.settings.environment_texture) continue;
+    switch (scene.textures[i].kind) {
       case TEXTURE_BITMAP: features |= FEATURE_BITMAPS; break;
       case TEXTURE_CHECKERBOARD: features |= FEATURE_CHECKERBOARDS; break;
       default: features |= FEATURE_ATTRIBUTES; break;
@@ -321,10 +259,10 @@ Scene place_scene(World world) {
   Scene scene;
   scene.frame = canonical_frame(world);
   MaterialPlacer materials(world, scene);
-  Lights lights{scene.lights, {}};
+  LightPlacer lights(scene);
   add_shapes(scene, lights, materials, world.shapes);
-  add_lights(scene, lights, world.lights);
-  finish_lights(scene, lights);
+  for (const WorldLight& light : world.lights) lights.add(light, materials);
+  lights.finish();
   scene.filter = filter_table(world.film.filter, world.film.filter_radius, world.film.filter_stddev);
   scene.camera = place_camera(world.camera, world.film, scene.frame);
   set_settings(scene, world);

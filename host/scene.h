@@ -17,6 +17,7 @@ namespace oclair {
 struct Scene {
   CanonicalFrame frame;
   Features features = 0;
+  Approximations approximations = 0;  // that the user asked for
 
   // Input of the BVH, which keeps what it needs of them.
   std::vector<packed_float3> positions;

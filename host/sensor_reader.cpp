@@ -8,6 +8,7 @@
 #include "error.h"
 #include "number.h"
 #include "property.h"
+#include "transform.h"
 
 namespace oclair {
 
@@ -139,17 +140,7 @@ double tan_half_fov_x(Element& element, double aspect) {
   return tangent * aspect;
 }
 
-void read_camera(Element& element, const WorldFilm& film, WorldCamera& camera) {
-  camera.to_world = transform_property(element, "to_world").value_or(glm::dmat4(1.0));
-  const glm::dmat3 m(camera.to_world), product = m * glm::transpose(m);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (!(std::abs(product[i][j] - (i == j)) < 1e-3))
-        refuse(where_is(element, "to_world"),
-               "\"to_world\" of " + describe(element) + " scales or shears, which a camera cannot");
-  camera.tan_half_fov_x = tan_half_fov_x(element, static_cast<double>(film.width) / film.height);
-  camera.principal_point_offset = {number_property(element, "principal_point_offset_x", 0.0),
-                                   number_property(element, "principal_point_offset_y", 0.0)};
+void read_clip_planes(Element& element, WorldCamera& camera) {
   camera.near_clip = number_property(element, "near_clip", 1e-2);
   camera.far_clip = number_property(element, "far_clip", 1e4);
   if (!(camera.near_clip > 0.0))
@@ -158,11 +149,55 @@ void read_camera(Element& element, const WorldFilm& film, WorldCamera& camera) {
     refuse(where_is(element, "far_clip"), "\"far_clip\" of " + describe(element) + " is not greater than \"near_clip\"");
 }
 
+// The film is as wide as [-1, 1] under to_world, which may scale and shear it.
+void read_orthographic(Element& element, WorldCamera& camera) {
+  if (!is_invertible(camera.to_world))
+    refuse(where_is(element, "to_world"), "\"to_world\" of " + describe(element) + " flattens it");
+  camera.orthographic = true;
+  camera.tan_half_fov_x = 1.0;
+  // As in Mitsuba: the near plane is scaled with the camera, the distance between the planes is not.
+  const double between = camera.far_clip - camera.near_clip;
+  camera.near_clip *= glm::length(glm::dvec3(camera.to_world[2]));
+  camera.far_clip = camera.near_clip + between;
+}
+
+void read_perspective(Element& element, const WorldFilm& film, WorldCamera& camera) {
+  const glm::dmat3 m(camera.to_world), product = m * glm::transpose(m);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (!(std::abs(product[i][j] - (i == j)) < 1e-3))
+        refuse(where_is(element, "to_world"),
+               "\"to_world\" of " + describe(element) + " scales or shears, which a camera cannot");
+  camera.tan_half_fov_x = tan_half_fov_x(element, static_cast<double>(film.width) / film.height);
+}
+
+void read_lens(Element& element, WorldCamera& camera) {
+  if (!has_property(element, "aperture_radius"))
+    refuse(element.where, describe(element) + " lacks <float name=\"aperture_radius\">");
+  camera.aperture_radius = number_property(element, "aperture_radius", 0.0);
+  camera.focus_distance = number_property(element, "focus_distance", camera.far_clip);
+  if (camera.aperture_radius < 0.0)
+    refuse(where_is(element, "aperture_radius"), "\"aperture_radius\" of " + describe(element) + " is negative");
+  if (!(camera.focus_distance > 0.0))
+    refuse(where_is(element, "focus_distance"), "\"focus_distance\" of " + describe(element) + " is not positive");
+}
+
+void read_camera(Element& element, const WorldFilm& film, WorldCamera& camera) {
+  camera.to_world = transform_property(element, "to_world").value_or(glm::dmat4(1.0));
+  read_clip_planes(element, camera);
+  if (element.type == "orthographic") return read_orthographic(element, camera);
+  read_perspective(element, film, camera);
+  if (element.type == "thinlens") return read_lens(element, camera);
+  camera.principal_point_offset = {number_property(element, "principal_point_offset_x", 0.0),
+                                   number_property(element, "principal_point_offset_y", 0.0)};
+}
+
 }  // namespace
 
 void read_sensor(Document& document, std::uint32_t index, const std::optional<glm::uvec2>& film_size, World& world) {
   auto& element = document.elements[index];
-  if (element.type != "perspective") refuse(element.where, describe(element) + " is not supported (supported: perspective)");
+  if (element.type != "perspective" && element.type != "thinlens" && element.type != "orthographic")
+    refuse(element.where, describe(element) + " is not supported (supported: orthographic, perspective, thinlens)");
   bool has_film = false, has_sampler = false;
   for (const auto& child : element.children) {
     auto& nested = document.elements[child.element];

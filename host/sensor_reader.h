@@ -1,4 +1,4 @@
-// <sensor type="perspective"> with its <film>, <rfilter> and <sampler>.
+// <sensor>: perspective, thinlens, orthographic; with its <film>, <rfilter> and <sampler>.
 #pragma once
 
 #include <optional>

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
+#include "instance.h"
 #include "light_reader.h"
 #include "mesh_file.h"
 #include "property.h"
@@ -16,6 +18,7 @@ namespace oclair {
 namespace {
 
 constexpr std::uint64_t MAX_TRIANGLES = (std::uint64_t{1} << 31) - 1;  // ids have 31 bits
+constexpr std::uint64_t MAX_QUADRICS = std::uint64_t{1} << LEAF_COUNT_SHIFT;
 
 glm::dmat4 to_world_of(Element& element) {
   const auto matrix = transform_property(element, "to_world").value_or(glm::dmat4(1.0));
@@ -31,8 +34,20 @@ MeshOptions mesh_options(Element& element) {
   return options;
 }
 
-Mesh mesh_from_file(const Document& document, Element& element, World& world) {
-  boolean_property(element, "flip_tex_coords", false);  // nothing has a texture
+ObjectMesh parse_mesh(Element& element, const std::string& file, ShapeContext& context) {
+  if (element.type == "obj") return parse_obj(read_mesh_file(file));
+  if (element.type == "ply") return parse_ply(read_mesh_file(file));
+  constexpr std::int64_t MAX_INDEX = std::numeric_limits<std::uint32_t>::max();
+  const std::int64_t shape_index = integer_property(element, "shape_index", 0, 0, MAX_INDEX);
+  if (context.serialized_file != file) {
+    context.serialized_bytes = read_mesh_file(file);
+    context.serialized_file = file;
+  }
+  return parse_serialized(context.serialized_bytes, static_cast<std::uint64_t>(shape_index));
+}
+
+Mesh mesh_from_file(const Document& document, Element& element, ShapeContext& context, World& world) {
+  const bool flip_uv = element.type != "serialized" && boolean_property(element, "flip_tex_coords", element.type == "obj");
   const auto name = string_property(element, "filename");
   if (!name) refuse(element.where, describe(element) + " lacks <string name=\"filename\">");
   const std::string at = where_is(element, "filename");
@@ -41,11 +56,15 @@ Mesh mesh_from_file(const Document& document, Element& element, World& world) {
   if (std::find(world.files.begin(), world.files.end(), file) == world.files.end()) world.files.push_back(file);
   const auto options = mesh_options(element);
   try {
-    const std::string bytes = read_mesh_file(file);
-    const ObjectMesh mesh = element.type == "obj" ? parse_obj(bytes) : parse_ply(bytes);
+    ObjectMesh mesh = parse_mesh(element, file, context);
     if (mesh.concave_polygons)
       world.warnings.push_back(at + ": " + file + ": " + std::to_string(mesh.concave_polygons) +
                                " polygons are concave or bent; each is cut into a fan around its first corner");
+    if (mesh.vertices_without_uv)
+      world.warnings.push_back(at + ": " + file + ": " + std::to_string(mesh.vertices_without_uv) +
+                               " vertices have no texture coordinates, the others have; they get (0, 0)");
+    if (flip_uv)
+      for (auto& uv : mesh.uvs) uv.y = 1.0 - uv.y;
     return to_world(mesh, options);
   } catch (const MeshFileError& error) {
     refuse(at, file + ": " + error.what());
@@ -116,7 +135,7 @@ void read_children(Document& document, std::uint32_t index, ShapeContext& contex
         refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: area)");
       if (!context.used_lights.insert(child.element).second)
         refuse(child.where, describe(nested) + " at " + nested.where + " already lies on another shape");
-      shape.radiance = read_area_light(nested);
+      read_area_light(document, child.element, context.bsdfs.textures, world, shape);
     } else {
       refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: bsdf, emitter)");
     }
@@ -131,16 +150,15 @@ void read_children(Document& document, std::uint32_t index, ShapeContext& contex
   shape.material_back = materials->back;
 }
 
-}  // namespace
-
-void read_shape(Document& document, std::uint32_t index, ShapeContext& context, World& world) {
+// What is not a group or an instance.
+WorldShape read_single(Document& document, std::uint32_t index, ShapeContext& context, World& world) {
   auto& element = document.elements[index];
   WorldShape shape;
   shape.where = element.where;
   if (element.type == "sphere" || element.type == "disk" || element.type == "cylinder") {
     place_quadric(element, shape);
-  } else if (element.type == "obj" || element.type == "ply") {
-    shape.mesh = mesh_from_file(document, element, world);
+  } else if (element.type == "obj" || element.type == "ply" || element.type == "serialized") {
+    shape.mesh = mesh_from_file(document, element, context, world);
   } else if (element.type == "rectangle" || element.type == "cube") {
     const auto options = mesh_options(element);
     try {
@@ -149,14 +167,83 @@ void read_shape(Document& document, std::uint32_t index, ShapeContext& context, 
       refuse(where_is(element, "to_world"), describe(element) + ": " + error.what());
     }
   } else {
-    refuse(element.where,
-           describe(element) + " is not supported (supported: cube, cylinder, disk, obj, ply, rectangle, sphere)");
+    refuse(element.where, describe(element) + " is not supported (supported: cube, cylinder, disk, instance, obj, ply, "
+                                              "rectangle, serialized, shapegroup, sphere)");
   }
-  context.triangle_count += shape.mesh.triangles.size();
-  if (context.triangle_count > MAX_TRIANGLES || shape.mesh.positions.size() > MAX_TRIANGLES)
+  if (shape.mesh.triangles.size() > MAX_TRIANGLES || shape.mesh.positions.size() > MAX_TRIANGLES)
     refuse(element.where, "the scene has more than 2^31 - 1 triangles");
   read_children(document, index, context, world, shape);
-  world.shapes.push_back(std::move(shape));
+  return shape;
+}
+
+void count_primitives(const std::string& where, std::uint64_t triangles, std::uint64_t quadrics, ShapeContext& context) {
+  context.triangle_count += triangles;
+  context.quadric_count += quadrics;
+  if (context.triangle_count > MAX_TRIANGLES) refuse(where, "the scene has more than 2^31 - 1 triangles");
+  if (context.quadric_count > MAX_QUADRICS) refuse(where, "the scene has more than 2^27 spheres, disks and cylinders");
+}
+
+const ShapeGroup& read_group(Document& document, std::uint32_t index, ShapeContext& context, World& world) {
+  const auto known = context.groups.find(index);
+  if (known != context.groups.end()) return known->second;
+  const auto& element = document.elements[index];
+  ShapeGroup group;
+  for (const auto& child : element.children) {
+    const auto& nested = document.elements[child.element];
+    if (nested.tag != "shape" || nested.type == "shapegroup" || nested.type == "instance")
+      refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: other shapes)");
+    auto& shape = group.shapes.emplace_back(read_single(document, child.element, context, world));
+    if (shape.radiance) refuse(child.where, describe(nested) + " emits, which is not supported in " + describe(element));
+    group.triangle_count += shape.mesh.triangles.size();
+    group.quadric_count += shape.geometry != Geometry::mesh;
+    if (group.triangle_count > MAX_TRIANGLES) refuse(child.where, describe(element) + " has more than 2^31 - 1 triangles");
+  }
+  return context.groups.emplace(index, std::move(group)).first->second;
+}
+
+void read_instance(Document& document, std::uint32_t index, ShapeContext& context, World& world) {
+  auto& element = document.elements[index];
+  const ShapeGroup* group = nullptr;
+  for (const auto& child : element.children) {
+    const auto& nested = document.elements[child.element];
+    if (nested.type != "shapegroup" || group)
+      refuse(child.where, describe(nested) + " is not supported in " + describe(element) + " (supported: one shapegroup)");
+    group = &read_group(document, child.element, context, world);
+  }
+  if (!group) refuse(element.where, describe(element) + " lacks <ref> to a shapegroup");
+  count_primitives(element.where, group->triangle_count, group->quadric_count, context);
+  context.instances.push_back({group, to_world_of(element), where_is(element, "to_world")});
+}
+
+}  // namespace
+
+void read_shape(Document& document, std::uint32_t index, ShapeContext& context, World& world) {
+  const auto& element = document.elements[index];
+  if (element.type == "shapegroup") {
+    read_group(document, index, context, world);
+  } else if (element.type == "instance") {
+    read_instance(document, index, context, world);
+  } else {
+    auto shape = read_single(document, index, context, world);
+    count_primitives(element.where, shape.mesh.triangles.size(), shape.geometry != Geometry::mesh, context);
+    world.shapes.push_back(std::move(shape));
+  }
+}
+
+void place_instances(const ShapeContext& context, World& world) {
+  for (const auto& instance : context.instances)
+    for (const auto& shape : instance.group->shapes) {
+      const std::string what = "\"to_world\" of <shape type=\"instance\">";
+      try {
+        auto copy = instance_of(shape, instance.to_world);
+        if (!copy)
+          refuse(instance.where, what + " shears the sphere or cylinder at " + shape.where +
+                                     " or scales it differently along its axes, which is not supported");
+        world.shapes.push_back(std::move(*copy));
+      } catch (const std::range_error& error) {
+        refuse(instance.where, what + ": the shape at " + shape.where + ": " + error.what());
+      }
+    }
 }
 
 }  // namespace oclair

@@ -21,7 +21,7 @@ struct MeshAttribute {
   std::string name;           // as a texture asks for it: "vertex_color", "face_heat"
   bool per_face = false;
   uint channels = 3;
-  std::vector<float> values;  // channels for each vertex or triangle
+  std::vector<float> values;  // channels for each vertex or triangle; none: the file has integers, whose range is unknown
 };
 
 // A triangle mesh in world space. Front is the side from which the vertices run counter-clockwise; where vertex normals

@@ -17,7 +17,12 @@ inline const std::vector<Model>& models() {
                                        {"mirror", mirror(0.9f, 0.5f, 0.1f), FEATURE_MIRROR, true},
                                        {"conductor", conductor(), FEATURE_CONDUCTOR, true},
                                        {"dielectric", dielectric(1.5f, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}),
-                                        FEATURE_DIELECTRIC, true}};
+                                        FEATURE_DIELECTRIC, true},
+                                       {"oren_nayar", rough(MATERIAL_OREN_NAYAR, 0.5f), FEATURE_OREN_NAYAR, false},
+                                       {"oren_nayar_fast", rough(MATERIAL_OREN_NAYAR_FAST, 0.5f), FEATURE_OREN_NAYAR_FAST, false},
+                                       {"disney", rough(MATERIAL_DISNEY, 0.75f), FEATURE_DISNEY, false},
+                                       {"thin dielectric", thin_dielectric(1.5f, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}),
+                                        FEATURE_THIN_DIELECTRIC, true}};
   return list;
 }
 
@@ -38,10 +43,11 @@ inline Inputs random_inputs(std::uint64_t seed, std::size_t count) {
   return inputs;
 }
 
-inline Scatters sample_bsdf(const Material& material, const Inputs& inputs, Features features = every_feature) {
+inline Scatters sample_bsdf(const Material& material, const Inputs& inputs, Features features = every_feature,
+                            Approximations approximations = 0) {
   const std::size_t count = inputs.wo.size();
   Scatters result(count);
-  run_with({features}, "bsdf_test.cl", "sample", count, std::vector(count, material), inputs.wo, inputs.front, inputs.u,
+  run_with({features, 8, 64, approximations}, "bsdf_test.cl", "sample", count, std::vector(count, material), inputs.wo, inputs.front, inputs.u,
            out(result.direction_pdf), out(result.weight_eta));
   return result;
 }

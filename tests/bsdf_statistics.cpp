@@ -1,5 +1,6 @@
 // What bsdf_sample draws against what bsdf_pdf says and what Fresnel's equations demand.
 #include "bsdf_cases.h"
+#include "diffuse_oracle.h"
 #include "fresnel_oracle.h"
 #include "quadrature.h"
 #include "statistics.h"
@@ -22,9 +23,8 @@ Inputs from_one_direction(std::uint64_t seed, std::size_t count, double cosine, 
 
 // The density, asked of the kernel, integrated by 4 nodes over each band of the cosine of the whole sphere (it does not depend on
 // the azimuth). The lower half must stay empty.
-TEST(bsdf_statistics, diffuse_is_sampled_as_its_density_says) {
+TEST(bsdf_statistics, diffuse_models_are_sampled_as_their_density_says) {
   const std::size_t bands = 61, sectors = 24, count = count_or_small(1000000, 2000);
-  const oclair::Material material = models()[0].material;
   std::vector<cl_float4> nodes;
   std::vector<double> weights;
   for (std::size_t band = 0; band < bands; ++band) {
@@ -35,18 +35,39 @@ TEST(bsdf_statistics, diffuse_is_sampled_as_its_density_says) {
       weights.push_back(node.weight * 2 * pi / sectors);
     }
   }
-  const Values density = evaluate_bsdf(material, nodes);
-  std::vector<double> expected(bands * sectors), observed(bands * sectors);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (std::size_t sector = 0; sector < sectors; ++sector)
-      expected[i / 4 * sectors + sector] += weights[i] * density.value_pdf[i].s[3] * static_cast<double>(count);
-  const Scatters samples = sample_bsdf(material, from_one_direction(100, count, 0.6, 1));
-  for (const cl_float4& wi : samples.direction_pdf) {
-    const double turn = std::atan2(wi.s[1], wi.s[0]) / (2 * pi) + 0.5, height = (static_cast<double>(wi.s[2]) + 1) / 2;
-    const std::size_t band = std::min(bands - 1, static_cast<std::size_t>(height * bands));
-    ++observed[band * sectors + std::min(sectors - 1, static_cast<std::size_t>(turn * sectors))];
+  for (const Model& model : models()) {
+    if (model.is_delta) continue;
+    const Values density = evaluate_bsdf(model.material, nodes);
+    std::vector<double> expected(bands * sectors), observed(bands * sectors);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (std::size_t sector = 0; sector < sectors; ++sector)
+        expected[i / 4 * sectors + sector] += weights[i] * density.value_pdf[i].s[3] * static_cast<double>(count);
+    const Scatters samples = sample_bsdf(model.material, from_one_direction(100, count, 0.6, 1));
+    for (const cl_float4& wi : samples.direction_pdf) {
+      const double turn = std::atan2(wi.s[1], wi.s[0]) / (2 * pi) + 0.5, height = (static_cast<double>(wi.s[2]) + 1) / 2;
+      const std::size_t band = std::min(bands - 1, static_cast<std::size_t>(height * bands));
+      ++observed[band * sectors + std::min(sectors - 1, static_cast<std::size_t>(turn * sectors))];
+    }
+    EXPECT_GT(chi_square_test(observed, expected), significance(4)) << model.name;
   }
-  EXPECT_GT(chi_square_test(observed, expected), false_alarm);
+}
+
+// The mean weight from one direction is the directional albedo there, by its closed form.
+TEST(bsdf_statistics, mean_weight_is_the_albedo) {
+  const std::size_t count = count_or_small(1000000, 2000);
+  for (const std::size_t which : {0u, 5u, 6u})
+    for (const double cosine : {1.0, 0.5, 0.1}) {
+      const Model& model = models()[which];
+      const float sigma = model.material.roughness;
+      const Exact expected = which == 0   ? 1
+                             : which == 5 ? exact_oren_nayar_fast_albedo(std::acos(static_cast<Exact>(cosine)), sigma)
+                                          : exact_disney_albedo(cosine, sigma);
+      double sum = 0, squares = 0;
+      for (const cl_float4& w : sample_bsdf(model.material, from_one_direction(103, count, cosine, 1)).weight_eta)
+        sum += w.s[1], squares += static_cast<double>(w.s[1]) * w.s[1];
+      const double n = static_cast<double>(count), mean = sum / n, error = std::sqrt(std::max(0.0, squares / n - mean * mean) / n);
+      EXPECT_NEAR(mean, static_cast<double>(0.5L * expected), 4.7 * error + 1e-6) << model.name << " " << cosine;  // nine: 2e-5 / 9
+    }
 }
 
 // Binomial: the share of reflected samples is the reflectance.
@@ -60,6 +81,33 @@ TEST(bsdf_statistics, glass_reflects_the_share_that_fresnel_says) {
     const double f = static_cast<double>(exact_reflectance(static_cast<float>(cosine), front ? 1.5L : 1 / 1.5L));
     const double n = static_cast<double>(count);
     EXPECT_GT(normal_tails((reflected - n * f) / std::sqrt(n * f * (1 - f))), significance(7)) << cosine << " " << front;
+  }
+}
+
+// Schlick's polynomial in place of the exact equations, with the outer cosine: sin_o = 1.5 sin_i.
+TEST(bsdf_statistics, glass_reflects_the_share_that_schlick_says_if_asked_to) {
+  const std::size_t count = count_or_small(400000, 1000);
+  for (const auto& [cosine, front] : {std::pair{0.3, 1u}, std::pair{0.1, 1u}, std::pair{0.76, 0u}}) {
+    const Scatters samples =
+        sample_bsdf(models()[3].material, from_one_direction(104, count, cosine, front), every_feature, oclair::APPROXIMATION_SCHLICK);
+    double reflected = 0;
+    for (const cl_float4& wi : samples.direction_pdf) reflected += wi.s[2] > 0;
+    const double outer = front ? cosine : std::sqrt(1 - 2.25 * (1 - cosine * cosine));
+    const double f = 0.04 + 0.96 * std::pow(1 - outer, 5), n = static_cast<double>(count);
+    EXPECT_GT(normal_tails((reflected - n * f) / std::sqrt(n * f * (1 - f))), significance(3)) << cosine << " " << front;
+  }
+}
+
+// R of one side at each angle: 2 R / (1 + R) of the paths come back.
+TEST(bsdf_statistics, a_thin_sheet_reflects_two_r_over_one_plus_r) {
+  const std::size_t count = count_or_small(400000, 1000);
+  for (const double cosine : {1.0, 0.5, 0.2, 0.05}) {
+    const Scatters samples = sample_bsdf(models()[7].material, from_one_direction(105, count, cosine, 1));
+    double reflected = 0;
+    for (const cl_float4& wi : samples.direction_pdf) reflected += wi.s[2] > 0;
+    const double r = static_cast<double>(exact_reflectance(static_cast<float>(cosine), 1.5L)), f = 2 * r / (1 + r);
+    const double n = static_cast<double>(count);
+    EXPECT_GT(normal_tails((reflected - n * f) / std::sqrt(n * f * (1 - f))), significance(4)) << cosine;
   }
 }
 

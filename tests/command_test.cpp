@@ -20,7 +20,7 @@ TEST(command_test, help_goes_to_stdout_and_succeeds) {
 TEST(command_test, help_of_render_lists_every_option) {
   const std::string help = run_oclair({"render", "--help"}).out;
   for (const char* option :
-       {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--device", "-D,--define"}) {
+       {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--fresnel", "--device", "-D,--define"}) {
     EXPECT_NE(help.find(option), std::string::npos) << option;
   }
 }
@@ -69,6 +69,8 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "--spp", "8589934593"}, "--spp '8589934593': " + count},
       {{"render", "a.xml", "--seed", "x"}, "--seed 'x': expected a whole number from 0 to 18446744073709551615"},
       {{"render", "a.xml", "--max-depth", "4294967296"}, "expected a whole number from 0 to 4294967295"},
+      {{"render", "a.xml", "--fresnel", "fast"}, "--fresnel 'fast': expected exact or schlick"},
+      {{"render", "a.xml", "--fresnel"}, "--fresnel"},
       {{"render", "a.xml", "--size", "512"}, "--size '512': " + size},
       {{"render", "a.xml", "--size", "0x512"}, "--size '0x512': " + size},
       {{"render", "a.xml", "--size", "512x65537"}, "--size '512x65537': " + size},

@@ -170,3 +170,22 @@ TEST(furnace_image, mirror_sphere_in_uniform_light_is_its_reflectance_in_every_s
   look(world, {0.4, 0.7, 3}, {0, 0, 0}, {0, 1, 0}, 0.2, 32, 16);  // the sphere fills the view
   expect_every_sample(render_full(world, 64), 0.7f, 2 * unit_roundoff);
 }
+
+// A sheet absorbs nothing, however its reflections add up: bubbles within bubbles.
+TEST(furnace_image, thin_bubbles_in_uniform_light_are_invisible_in_every_sample) {
+  for (const double eta : {1.0, 1.5, 2.42, 1.0 / 1.5}) {
+    SCOPED_TRACE(eta);
+    World world = glass_sphere(eta);
+    world.materials[0].kind = MATERIAL_THIN_DIELECTRIC;
+    add_sphere(world, world.materials[0], Sides::both, {0.1, 0.2, 0.0}, 0.6);
+    expect_every_sample(render_full(world, 64), 1.0, glass_tolerance);
+  }
+}
+
+// Schlick's approximation moves light between reflection and refraction, and loses none.
+TEST(furnace_image, glass_with_schlicks_reflectance_stays_invisible) {
+  Scene scene = place_scene(glass_sphere(1.5));
+  scene.features = every_feature;
+  scene.approximations = APPROXIMATION_SCHLICK;
+  expect_every_sample(render_scene(scene, 64), 1.0, glass_tolerance);
+}

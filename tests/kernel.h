@@ -47,7 +47,7 @@ Out<T> out(std::vector<T>& values) {
 inline cl::Program& program(const std::string& file, const KernelOptions& options) {
   static auto& built = *new std::map<std::string, cl::Program>;
   const std::string key = file + " " + std::to_string(options.features) + " " + std::to_string(options.bvh_width) + " " +
-                          std::to_string(options.stack_size);
+                          std::to_string(options.stack_size) + " " + std::to_string(options.approximations);
   const auto found = built.find(key);
   if (found != built.end()) return found->second;
   return built.emplace(key, build_program(device(), directory() / file, options)).first->second;

@@ -13,7 +13,7 @@
   MEMBER(Material, transparency) MEMBER(Material, reflectance_texture) MEMBER(Material, transmittance_texture)          \
   MEMBER(Material, roughness_texture) MEMBER(Material, opacity_texture) MEMBER(Material, normal_texture)                \
   MEMBER(Material, bump_texture) MEMBER(Material, bump_scale) MEMBER(Material, weight)                                  \
-  MEMBER(Material, weight_texture) MEMBER(Material, first) MEMBER(Material, second)                                     \
+  MEMBER(Material, weight_texture) MEMBER(Material, first) MEMBER(Material, second) MEMBER(Material, normal_turned)     \
   STRUCT(Texture) MEMBER(Texture, color0) MEMBER(Texture, kind) MEMBER(Texture, color1) MEMBER(Texture, channels)       \
   MEMBER(Texture, to_u) MEMBER(Texture, format) MEMBER(Texture, to_v) MEMBER(Texture, srgb) MEMBER(Texture, offset)     \
   MEMBER(Texture, width) MEMBER(Texture, height) MEMBER(Texture, wrap) MEMBER(Texture, nearest)                         \

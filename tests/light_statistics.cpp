@@ -202,3 +202,47 @@ TEST(light_statistics, no_light_shadows_itself) {
     EXPECT_EQ(std::count(blocked.begin(), blocked.end(), 1u), 0) << view.name << " of " << rays.size();
   }
 }
+
+// Extreme X24: half of 100 000 triangles have no area, the first and the last among them. 1e7 draws choose lights in proportion to
+// their areas, in 1000 groups of neighbours, and the flux is that of the triangles that have an area.
+TEST(light_statistics, a_mesh_of_100000_triangles_is_chosen_by_area_and_never_where_it_has_none) {
+  Random random(12);
+  World world;
+  add_frame_box(world);
+  WorldShape& shape = add_shape(world, diffuse(0.0), Sides::both, 1.0);
+  const std::size_t n = count_or_small(50000, 200);
+  double area = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::dvec3 a = random.in_cube(0.9), b = a + random.in_cube(0.1) * random.unit(), c = a + random.in_cube(0.1) * random.unit();
+    if (i % 2) add_triangle(shape.mesh, a, b, b);
+    else add_triangle(shape.mesh, a, a, a);
+    add_triangle(shape.mesh, a, b, c);
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  add_triangle(shape.mesh, {0, 0, 0}, {0.3, 0, 0}, {0.6, 0, 0});
+  world.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(area / 4), {0, 0, -1}});  // canonical area: a quarter
+  const Scene scene = place_scene(world);
+  ASSERT_EQ(scene.lights.size(), n + 1);
+  // Flux pi A L of the mesh against pi 3 E of the directional light; vertices rounded to float32.
+  EXPECT_NEAR(scene.lights.back().probability, 3.0 / 4.0, 1e-5);
+
+  const std::size_t draws = count_or_small(10000000, 2000), groups = count_or_small(1000, 10);
+  std::vector<cl_uint> bits(draws), which(draws);
+  for (cl_uint& b : bits) b = static_cast<cl_uint>(random.engine());
+  bits[0] = 0u, bits[1] = 0xffffffffu;
+  run("light_test.cl", "choose", draws, scene.light_cdf, static_cast<cl_uint>(scene.light_cdf.size()), bits, out(which));
+  EXPECT_EQ(which[0], 0u);
+  EXPECT_EQ(which[1], n);
+  std::vector<double> counts(groups + 1), expected(groups + 1);
+  for (std::size_t i = 0; i <= n; ++i) {
+    const Light& light = scene.lights[i];
+    if (i < n) EXPECT_GT(light.area, 0.0f);
+    const double flux = i < n ? light.area : 3.0 * area / 4;
+    expected[i * groups / n] += flux;
+  }
+  for (const cl_uint i : which) counts[i * groups / n] += 1;
+  double total = 0.0;
+  for (const double e : expected) total += e;
+  for (double& e : expected) e *= static_cast<double>(draws) / total;
+  EXPECT_GE(chi_square_test(counts, expected), false_alarm);
+}

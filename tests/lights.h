@@ -22,7 +22,8 @@ inline void add_frame_box(World& world) { add_box(add_shape(world, diffuse(0.5),
 inline std::vector<LightResult> sample_lights(const Scene& scene, const std::vector<cl_uint>& which, const std::vector<packed_float3>& from,
                                               const std::vector<Square>& u) {
   std::vector<LightResult> results(u.size());
-  run("light_test.cl", "sample", u.size(), scene.lights, scene.quadrics, which, from, u, out(results));
+  run("light_test.cl", "sample", u.size(), scene.lights, scene.quadrics, scene.shapes, scene.triangle_shape, scene.triangle_vertices, scene.uvs,
+      scene.textures, scene.texels, scene.srgb, scene.environment_cdf, std::vector<Settings>{scene.settings}, which, from, u, out(results));
   return results;
 }
 

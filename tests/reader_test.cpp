@@ -223,6 +223,40 @@ TEST(reader_test, missing_integrator_is_a_path_and_is_warned_of) {
   EXPECT_TRUE(warns(world, "scene.xml:1: <scene> has no <integrator>"));
 }
 
+// Measured: focus_distance is that of far_clip by default; the field of view is that of a perspective camera.
+TEST(reader_test, a_thin_lens_is_a_perspective_camera_with_an_aperture) {
+  const auto lens = [](const std::string& content) {
+    return SceneDirectory().read("<sensor type=\"thinlens\"><float name=\"aperture_radius\" value=\"0.1\"/>" + content + "</sensor>").camera;
+  };
+  EXPECT_EQ(lens("").aperture_radius, 0.1);
+  EXPECT_EQ(lens("").focus_distance, 1e4);
+  EXPECT_EQ(lens("<float name=\"far_clip\" value=\"7\"/>").focus_distance, 7.0);
+  EXPECT_EQ(lens("<float name=\"focus_distance\" value=\"3\"/>").focus_distance, 3.0);
+  EXPECT_NEAR(lens("<float name=\"fov\" value=\"90\"/>").tan_half_fov_x, 1.0, 1e-15);
+  EXPECT_FALSE(lens("").orthographic);
+  EXPECT_EQ(sensor("").camera.aperture_radius, 0.0);
+}
+
+// Measured: a scale of the camera makes the film larger and moves the near plane; the planes stay as far apart as they were.
+TEST(reader_test, an_orthographic_film_is_as_wide_as_its_transform_says) {
+  const auto camera = SceneDirectory()
+                          .read("<sensor type=\"orthographic\"><float name=\"near_clip\" value=\"1\"/><float name=\"far_clip\" value=\"5\"/>"
+                                "<transform name=\"to_world\"><scale value=\"3\"/></transform></sensor>")
+                          .camera;
+  EXPECT_TRUE(camera.orthographic);
+  EXPECT_EQ(camera.to_world[0].x * camera.tan_half_fov_x, 3.0);
+  EXPECT_EQ(camera.near_clip, 3.0);
+  EXPECT_EQ(camera.far_clip, 7.0);
+  EXPECT_EQ(camera.aperture_radius, 0.0);
+}
+
+TEST(reader_test, a_principal_point_is_only_read_by_the_pinhole) {
+  for (const char* type : {"orthographic", "thinlens"})
+    EXPECT_TRUE(warns(SceneDirectory().read("<sensor type=\"" + std::string(type) + "\"><float name=\"aperture_radius\" value=\"1\"/>"
+                                            "<float name=\"principal_point_offset_x\" value=\"0.5\"/></sensor>"),
+                      "principal_point_offset_x"));
+}
+
 TEST(reader_test, first_of_two_sensors_sees_the_scene) {
   const auto world =
       SceneDirectory().read("<sensor type=\"perspective\"><float name=\"far_clip\" value=\"9\"/></sensor>\n" + SENSOR);
@@ -444,6 +478,50 @@ TEST(reader_test, directional_light_travels_along_its_direction_or_the_z_of_its_
                     "value=\"3\"/></transform></emitter>")
                   .position,
               {0, -1, 0}, 1e-15);
+}
+
+TEST(reader_test, spot_is_a_cone_along_the_z_of_its_transform) {  // measured
+  const auto plain = light("<emitter type=\"spot\"/>");
+  EXPECT_EQ(plain.kind, LIGHT_SPOT);
+  expect_near(plain.value, {1, 1, 1}, 0);
+  expect_near(plain.axis, {0, 0, 1}, 0);
+  EXPECT_EQ(plain.cutoff_angle, 20.0);
+  EXPECT_EQ(plain.beam_width, 15.0);
+  const auto placed = light("<emitter type=\"spot\"><float name=\"cutoff_angle\" value=\"40\"/><transform name=\"to_world\"><scale value=\"3\"/>"
+                            "<rotate x=\"1\" angle=\"90\"/><translate x=\"4\"/></transform></emitter>");
+  expect_near(placed.axis, {0, -1, 0}, 1e-15);
+  expect_near(placed.position, {4, 0, 0}, 0);
+  EXPECT_EQ(placed.beam_width, 30.0);
+  EXPECT_EQ(light("<emitter type=\"spot\"><integer name=\"beam_width\" value=\"0\"/></emitter>").beam_width, 0.0);
+}
+
+const std::filesystem::path MAP = std::filesystem::path(OCLAIR_TEST_DIRECTORY) / "data" / "bad" / "environment.png";  // 2 x 3
+
+TEST(reader_test, environment_map_has_a_scale_and_a_rotation) {
+  const std::string file = "<string name=\"filename\" value=\"" + MAP.string() + "\"/>";
+  const auto plain = light("<emitter type=\"envmap\">" + file + "</emitter>");
+  EXPECT_EQ(plain.kind, LIGHT_ENVIRONMENT);
+  expect_near(plain.value, {1, 1, 1}, 0);
+  EXPECT_EQ(plain.rotation, glm::dmat3(1.0));
+  ASSERT_TRUE(plain.image);
+  EXPECT_EQ(plain.image->width, 2u);
+  EXPECT_EQ(plain.image->height, 3u);
+  EXPECT_TRUE(plain.image->srgb);
+  // The translation does nothing; a mirror is one.
+  const auto turned = light("<emitter type=\"envmap\">" + file + "<float name=\"scale\" value=\"2.5\"/><transform name=\"to_world\"><scale x=\"-1\"/>"
+                            "<rotate y=\"1\" angle=\"90\"/><translate z=\"7\"/></transform></emitter>");
+  expect_near(turned.value, {2.5, 2.5, 2.5}, 0);
+  expect_near(turned.rotation * glm::dvec3(1, 0, 0), {0, 0, 1}, 1e-15);
+  expect_near(turned.rotation * glm::dvec3(0, 0, 1), {1, 0, 0}, 1e-15);
+  EXPECT_EQ(light("<emitter type=\"envmap\">" + file + "<float name=\"scale\" value=\"0\"/></emitter>").value.x, 0.0);
+}
+
+TEST(reader_test, area_light_takes_a_texture_as_its_radiance) {
+  const auto world = world_of("<shape type=\"disk\"><emitter type=\"area\"><texture type=\"checkerboard\" name=\"radiance\"/></emitter></shape>");
+  ASSERT_EQ(world.textures.size(), 1u);
+  EXPECT_EQ(world.shapes[0].radiance_texture, 1u);
+  EXPECT_TRUE(world.shapes[0].radiance);
+  EXPECT_EQ(shape("<shape type=\"disk\"><emitter type=\"area\"/></shape>").radiance_texture, 0u);
 }
 
 TEST(reader_test, area_light_gives_its_radiance_to_its_shape) {

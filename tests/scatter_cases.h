@@ -39,6 +39,21 @@ inline Material dielectric(float eta, packed_float3 reflectance = {1, 1, 1}, pac
   return material;
 }
 
+inline Material thin_dielectric(float eta, packed_float3 reflectance = {1, 1, 1}, packed_float3 transmittance = {1, 1, 1}) {
+  Material material = dielectric(eta, reflectance, transmittance);
+  material.kind = MATERIAL_THIN_DIELECTRIC;
+  return material;
+}
+
+// A diffuse kind that has a roughness.
+inline Material rough(MaterialKind kind, float roughness, packed_float3 reflectance = {0.8f, 0.5f, 0.25f}) {
+  Material material{};
+  material.kind = kind;
+  material.reflectance = reflectance;
+  material.roughness = roughness;
+  return material;
+}
+
 // Directions on the upper side, of unit length to float's rounding: along the axis, grazing down to a cosine of 1e-6, random.
 inline std::vector<cl_float4> upper_directions(std::uint64_t seed, std::size_t count) {
   std::vector<cl_float4> list{{{0, 0, 1, 0}}};

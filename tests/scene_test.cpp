@@ -1,4 +1,5 @@
 // What a world becomes on its way to the device: features, lights, shapes, what is left out.
+#include <cstring>
 #include <functional>
 
 #include "lights.h"
@@ -22,23 +23,63 @@ WorldShape& add_quadric(World& world, Geometry geometry, double radiance) {
 
 void add_material(World& world, const Material& material) { add_box(add_shape(world, material, Sides::front).mesh, {-1, -1, -1}, {1, 1, 1}); }
 
-Material conductor() {
+// One texel.
+void add_map(World& world, float value) {
+  Image image{1, 1, 1, TEXEL_FLOAT, false, std::vector<std::byte>(sizeof value)};
+  std::memcpy(image.texels.data(), &value, sizeof value);
+  world.lights.push_back({LIGHT_ENVIRONMENT, glm::dvec3(1.0), {}});
+  world.lights.back().image = std::make_shared<const Image>(image);
+}
+
+void add_radiance_texture(World& world) {
+  world.textures.emplace_back().kind = TEXTURE_CHECKERBOARD;
+  world.shapes[0].radiance = glm::dvec3(1.0);
+  world.shapes[0].radiance_texture = 1;
+}
+
+void add_texture(World& world, TextureKind kind) {
+  add_material(world, diffuse(0.5));
+  world.materials[0].reflectance_texture = 1;
+  WorldTexture& texture = world.textures.emplace_back();
+  texture.kind = kind;
+  if (kind == TEXTURE_BITMAP) {
+    Image image;
+    image.width = image.height = 1;
+    image.texels.resize(3);
+    texture.image = std::make_shared<const Image>(image);
+  } else if (kind != TEXTURE_CHECKERBOARD) {
+    texture.attribute = "vertex_heat";
+    Mesh& mesh = world.shapes[0].mesh;
+    mesh.attributes.push_back({texture.attribute, false, 1, std::vector<float>(mesh.positions.size(), 0.5f)});
+  }
+}
+
+Material of_kind(MaterialKind kind) {
   Material m = diffuse(1.0);
-  m.kind = MATERIAL_CONDUCTOR;
+  m.kind = kind;
   return m;
 }
 
 }  // namespace
 
 TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
-  const std::uint32_t flat = FEATURE_DIFFUSE;
+  const Features flat = FEATURE_DIFFUSE;
   const std::vector<Row> rows = {
       {"nothing", [](World&) {}, 0},
       {"unused material", [](World& w) { w.materials.push_back(dielectric(1.5)); }, 0},
       {"diffuse", [](World& w) { add_material(w, diffuse(0.5)); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES},
       {"mirror", [](World& w) { add_material(w, mirror(0.5)); }, FEATURE_MIRROR | FEATURE_TRIANGLES},
-      {"conductor", [](World& w) { add_material(w, conductor()); }, FEATURE_CONDUCTOR | FEATURE_TRIANGLES},
+      {"conductor", [](World& w) { add_material(w, of_kind(MATERIAL_CONDUCTOR)); }, FEATURE_CONDUCTOR | FEATURE_TRIANGLES},
       {"dielectric", [](World& w) { add_material(w, dielectric(1.5)); }, FEATURE_DIELECTRIC | FEATURE_TRIANGLES},
+      {"oren nayar", [](World& w) { add_material(w, of_kind(MATERIAL_OREN_NAYAR)); }, FEATURE_OREN_NAYAR | FEATURE_TRIANGLES},
+      {"oren nayar, qualitative", [](World& w) { add_material(w, of_kind(MATERIAL_OREN_NAYAR_FAST)); }, FEATURE_OREN_NAYAR_FAST | FEATURE_TRIANGLES},
+      {"disney", [](World& w) { add_material(w, of_kind(MATERIAL_DISNEY)); }, FEATURE_DISNEY | FEATURE_TRIANGLES},
+      {"thin dielectric", [](World& w) { add_material(w, of_kind(MATERIAL_THIN_DIELECTRIC)); }, FEATURE_THIN_DIELECTRIC | FEATURE_TRIANGLES},
+      {"bitmap", [](World& w) { add_texture(w, TEXTURE_BITMAP); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_BITMAPS},
+      {"checkerboard", [](World& w) { add_texture(w, TEXTURE_CHECKERBOARD); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_CHECKERBOARDS},
+      {"attribute", [](World& w) { add_texture(w, TEXTURE_VERTEX_ATTRIBUTE); }, FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_ATTRIBUTES},
+      {"unused texture", [](World& w) { add_texture(w, TEXTURE_CHECKERBOARD), w.materials[0].reflectance_texture = 0; },
+       FEATURE_DIFFUSE | FEATURE_TRIANGLES},
       {"back side", [](World& w) { add_material(w, diffuse(0.5)), w.materials.push_back(mirror(1.0)), w.shapes[0].material_back = 1; },
        FEATURE_DIFFUSE | FEATURE_MIRROR | FEATURE_TRIANGLES},
       {"smooth", [](World& w) { add_material(w, diffuse(0.5)), w.shapes[0].mesh.normals.assign(w.shapes[0].mesh.positions.size(), {0, 0, 1}); },
@@ -53,9 +94,19 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"point", [](World& w) { w.lights.push_back({LIGHT_POINT, glm::dvec3(1.0), {}}); }, FEATURE_POINT_LIGHTS},
       {"directional", [](World& w) { w.lights.push_back({LIGHT_DIRECTIONAL, glm::dvec3(1.0), {0, 0, 1}}); }, FEATURE_DIRECTIONAL_LIGHTS},
       {"constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(1.0), {}}); }, FEATURE_CONSTANT_LIGHT},
+      {"spot", [](World& w) { w.lights.push_back({LIGHT_SPOT, glm::dvec3(1.0), {}}); }, FEATURE_SPOT_LIGHTS},
+      {"environment map", [](World& w) { add_map(w, 1.0f); }, FEATURE_ENVIRONMENT_MAP},
+      {"black environment map", [](World& w) { add_map(w, 0.0f); }, 0},
+      {"textured triangle light", [](World& w) { add_material(w, diffuse(0.5)), add_radiance_texture(w); },
+       FEATURE_DIFFUSE | FEATURE_TRIANGLES | FEATURE_TRIANGLE_LIGHTS | FEATURE_TEXTURED_LIGHTS | FEATURE_CHECKERBOARDS},
+      {"textured disk light", [](World& w) { add_quadric(w, Geometry::disk, 0), add_radiance_texture(w); },
+       FEATURE_DIFFUSE | FEATURE_DISKS | FEATURE_QUADRIC_LIGHTS | FEATURE_TEXTURED_LIGHTS | FEATURE_CHECKERBOARDS},
       {"black constant", [](World& w) { w.lights.push_back({LIGHT_CONSTANT, glm::dvec3(0.0), {}}); }, 0},
+      {"lens", [](World& w) { w.camera.aperture_radius = 0.1; }, FEATURE_THIN_LENS},
+      {"closed lens", [](World& w) { w.camera.focus_distance = 2.0; }, 0},
+      {"orthographic", [](World& w) { w.camera.orthographic = true; }, FEATURE_ORTHOGRAPHIC},
       {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS}};
-  std::uint32_t all = 0;
+  Features all = 0;
   for (const Row& row : rows) {
     World world;
     row.add(world);

@@ -33,6 +33,14 @@ double reflectance(double eta, double degrees) {
   return 0.5 * (s * s + p * p);
 }
 
+// Sheets .01 apart, each in the place of a plate.
+World sheets(int count, Material material, double degrees) {
+  material.kind = MATERIAL_THIN_DIELECTRIC;
+  World world = plates(count, material, degrees);
+  for (int i = count; i > 0; --i) world.shapes.erase(world.shapes.begin() + 2 * i - 1);  // the lower surface of each
+  return world;
+}
+
 // Found with a probability of 90 %: the samples are 0 or 1, their deviation at most 1/2.
 constexpr double absolute_bias = 0.005;
 
@@ -84,5 +92,47 @@ TEST(slab_image, plates_without_contrast_are_invisible) {
     const Film film = render_full(plates(3, dielectric(1.0), degrees), 4);
     expect_every_sample(film, 1.0, 0.0, 0);
     EXPECT_EQ(estimate(film, 1).mean, 0.0);
+  }
+}
+
+// (1 - R)/(1 + R), as a plate whose surfaces are traced: table computed with mpmath at 30 digits.
+TEST(slab_image, a_thin_sheet_transmits_what_a_plate_does) {
+  for (const Case c : {Case{1.5, 0, .923076923077}, {1.5, 60, .83623246271}, {1.5, 80, .441229173374}, {2.42, 45, .692733264849}, {2.42, 85, .233333336171}}) {
+    SCOPED_TRACE(testing::Message() << c.eta << " " << c.degrees);
+    const Film film = render_full(sheets(1, dielectric(c.eta), c.degrees), 640);
+    expect_mean(film, c.transmittance, absolute_bias / c.transmittance, 0);
+    expect_mean(film, 1.0 - c.transmittance, absolute_bias / (1.0 - c.transmittance), 1);
+    EXPECT_NEAR(estimate(film, 0).mean + estimate(film, 1).mean, 1.0, 64 * unit_roundoff);
+  }
+}
+
+TEST(slab_image, stack_of_thin_sheets_transmits_what_a_stack_of_plates_does) {
+  const Film film = render_full(sheets(5, dielectric(1.5), 0), 640);
+  expect_mean(film, .705882352941, absolute_bias / .705882352941, 0);
+  EXPECT_NEAR(estimate(film, 0).mean + estimate(film, 1).mean, 1.0, 64 * unit_roundoff);
+}
+
+// One event on a sheet multiplies its colour once.
+TEST(slab_image, coloured_sheet_scales_reflection_and_transmission_apart) {
+  Material glass = dielectric(2.42);
+  glass.reflectance = {0.5f, 0.5f, 0.5f};
+  glass.transmittance = {0.25f, 0.25f, 0.25f};
+  const double r = reflectance(2.42, 60), t = (1.0 - r) / (1.0 + r);
+  const Film film = render_full(sheets(1, glass, 60), 640);
+  expect_mean(film, 0.25 * t, 0.02, 0);
+  expect_mean(film, 0.5 * (1.0 - t), 0.02, 1);
+}
+
+// Schlick's reflectance through the whole renderer: R0 + (1 - R0)(1 - cos)^5 at each surface.
+TEST(slab_image, plate_with_schlicks_reflectance_transmits_as_it_says) {
+  for (const double degrees : {60.0, 85.0}) {
+    SCOPED_TRACE(degrees);
+    Scene scene = place_scene(plates(1, dielectric(1.5), degrees));
+    scene.features = every_feature;
+    scene.approximations = APPROXIMATION_SCHLICK;
+    const double r = 0.04 + 0.96 * std::pow(1.0 - std::cos(glm::radians(degrees)), 5), t = (1.0 - r) / (1.0 + r);
+    const Film film = render_scene(scene, 640);
+    expect_mean(film, t, absolute_bias / t, 0);
+    expect_mean(film, 1.0 - t, absolute_bias / (1.0 - t), 1);
   }
 }

@@ -1,14 +1,15 @@
 // The stages as kernels of their own (cl/stages.cl) against the megakernel (cl/path.cl).
 #include <cstring>
 
-#include "worlds.h"
+#include "textured.h"
 
 using namespace oclair;
 using namespace oclair::test;
 
 namespace {
 
-// One of everything that a stage can branch on: diffuse, mirror, glass; triangles and a sphere; an area light, a point light.
+// One of everything that a stage can branch on: diffuse, mirror, glass; triangles and a sphere; an area light, a point light; a blend
+// with a mask in it, a masked sheet, a normal map.
 World mixed_world() {
   World world;
   add_box(add_shape(world, diffuse(0.7), Sides::front).mesh, {-1, -1, -1}, {1, 1, 1}, true);
@@ -18,6 +19,16 @@ World mixed_world() {
   ball.geometry = Geometry::sphere;
   ball.to_world = glm::dmat4(0.4);
   ball.to_world[3] = {0.4, -0.6, 0.2, 1};
+  Material screen = diffuse(0.4);
+  screen.transparency = 0.6f;
+  screen.normal_texture = add_constant(world, normal_color(glm::normalize(glm::dvec3(0.3, 0.1, 0.9))));
+  add_quad(add_shape(world, screen, Sides::both).mesh, {-0.9, 0.3, -0.9}, {1.5, 0, 0}, {0, 0.1, 1.5});
+  Material blend{};
+  blend.kind = MATERIAL_BLEND;
+  blend.weight = 0.5f;
+  blend.first = static_cast<uint>(world.materials.size() - 1);
+  blend.second = 0;
+  add_quad(add_shape(world, blend, Sides::both).mesh, {0.1, -0.8, -0.9}, {0.7, 0, 0}, {0, 0.6, 0.2});
   world.lights.push_back({LIGHT_POINT, glm::dvec3(0.5), {0.5, 0.5, 0.5}});
   world.integrator.moments = true;
   look(world, {0, 0, 0.9}, {0, -0.2, -1}, {0, 1, 0}, 1.0, 37, 29);
@@ -61,7 +72,7 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
     for (std::vector<PathState> states(items);;) {
       stages.run("closest_hits", items, paths, hits);
       stages.run("shade", items, paths, hits, shadows, base, sample);
-      stages.run("shadow_rays", items, paths, shadows);
+      stages.run("shadow_rays", items, paths, shadows, base, sample);
       device().queue.enqueueReadBuffer(paths, CL_TRUE, 0, items * sizeof(PathState), states.data());
       if (std::none_of(states.begin(), states.end(), [](const PathState& p) { return p.alive; })) break;
     }

@@ -19,9 +19,9 @@ glm::dmat4 camera_of(const std::string& steps) {
 
 // A disk keeps what a transform does to the origin and to z.
 glm::dvec3 origin_of(const std::string& steps) {
-  const auto world = world_of("<shape type=\"cube\"><transform name=\"to_world\">" + steps + "</transform></shape>");
+  const auto world = world_of("<shape type=\"rectangle\"><transform name=\"to_world\">" + steps + "</transform></shape>");
   const auto& p = world.shapes[0].mesh.positions;
-  return (p[0] + p[7]) / 2.0;  // opposite corners
+  return (p[0] + p[2]) / 2.0;  // opposite corners
 }
 
 TEST(transform_test, rotation_turns_counter_clockwise_around_its_axis) {

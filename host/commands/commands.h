@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../../cl/features.h"
 #include "../error.h"
 #include "../reader.h"
 
@@ -27,6 +28,7 @@ struct RenderOptions {
   std::optional<glm::uvec2> size;
   std::optional<std::uint64_t> seed;
   std::optional<unsigned> max_depth;
+  Approximations approximations = 0;
 };
 
 struct InfoOptions {

@@ -51,6 +51,12 @@ std::uint64_t whole_number(const std::string& option, const std::string& given, 
   return *number;
 }
 
+Approximations fresnel(const std::string& option, const std::string& given) {
+  if (given == "exact") return 0;
+  if (given == "schlick") return APPROXIMATION_SCHLICK;
+  refuse(option, given, "exact or schlick");
+}
+
 glm::uvec2 film_size(const std::string& option, const std::string& given) {
   constexpr std::uint64_t most = 65536;
   const std::size_t cross = std::min(given.find('x'), given.size());

@@ -72,6 +72,18 @@ std::string feature_names(Features features) {
   return names;
 }
 
+// What was asked for at the price of accuracy, on the command line or by the scene's materials.
+std::string approximation_names(const Scene& scene) {
+  std::string names;
+  const auto add = [&](const char* name) { names += (names.empty() ? "" : " ") + std::string(name); };
+#define APPROXIMATION_NAME(name, bit, description) \
+  if (scene.approximations & APPROXIMATION_##name) add(description);
+  APPROXIMATION_LIST(APPROXIMATION_NAME)
+#undef APPROXIMATION_NAME
+  if (scene.features & FEATURE_OREN_NAYAR_FAST) add("oren_nayar=qualitative");
+  return names.empty() ? "none" : names;
+}
+
 // What made the image; nothing that differs between two equal runs.
 ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, const Device& device, std::uint64_t samples,
                               std::uint64_t rejected) {
@@ -80,7 +92,7 @@ ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, 
           {"samplesPerPixel", std::to_string(samples)},
           {"seed", std::to_string(scene.settings.seed)},
           {"features", feature_names(scene.features)},
-          {"approximations", "none"},
+          {"approximations", approximation_names(scene)},
           {"device", device.name + " (" + device.platform + ")"},
           {"rejectedSamples", std::to_string(rejected)}};
 }
@@ -116,7 +128,8 @@ Exit render(const RenderOptions& options) {
   const WorldFilm window = world.film;
   const std::string moment_name = world.integrator.moment_name;
   const std::uint64_t samples_per_pixel = world.samples_per_pixel;
-  const Scene scene = place_scene(std::move(world));
+  Scene scene = place_scene(std::move(world));
+  scene.approximations = options.approximations;
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);
@@ -160,6 +173,10 @@ Command render_command(CLI::App& program) {
   line.add_option_function<std::string>(
           "--size", [options](const std::string& given) { options->size = film_size("--size", given); }, "film in pixels")
       ->type_name("WIDTHxHEIGHT");
+  line.add_option_function<std::string>(
+          "--fresnel", [options](const std::string& given) { options->approximations = fresnel("--fresnel", given); },
+          "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact")
+      ->type_name("exact|schlick");
   add_device(line, options->device);
   return {&line, [&line, options, outputs] {
             outputs->png = line.count("--png") > 0;

@@ -1,0 +1,121 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfVersion.h>
+#include <ImfXdr.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <vector>
+
+#include "texture_decoders.h"
+
+namespace oclair {
+namespace {
+
+class ByteStream : public Imf::IStream {
+ public:
+  explicit ByteStream(std::string_view bytes) : Imf::IStream("it"), bytes_(bytes) {}
+
+  bool read(char to[], int count) override {
+    if (position_ > bytes_.size() || static_cast<std::size_t>(count) > bytes_.size() - position_)
+      throw TextureFileError("OpenEXR: it breaks off");
+    std::memcpy(to, bytes_.data() + position_, static_cast<std::size_t>(count));
+    position_ += static_cast<std::size_t>(count);
+    return position_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+ private:
+  std::string_view bytes_;
+  std::uint64_t position_ = 0;
+};
+
+std::vector<std::string> channels_of(const Imf::ChannelList& list) {
+  std::vector<std::string> names = {"R", "G", "B"};
+  const auto has = [&](const char* name) { return list.findChannel(name) != nullptr; };
+  if (has("Y") && !has("R") && !has("G") && !has("B") && !has("RY") && !has("BY")) names = {"Y"};
+  std::string present;
+  for (auto c = list.begin(); c != list.end(); ++c) present += (present.empty() ? "" : ", ") + std::string(c.name());
+  for (const auto& name : names) {
+    const auto* channel = list.findChannel(name);
+    if (!channel || channel->xSampling != 1 || channel->ySampling != 1)
+      throw TextureFileError("OpenEXR: its channels " + present.substr(0, 200) +
+                             " are not supported (supported: R, G, B, or Y, all at full resolution)");
+  }
+  return names;
+}
+
+// Before anything is allocated for it.
+void check_header(std::string_view bytes) {
+  ByteStream stream(bytes);
+  int magic = 0, version = 0;
+  Imf::Xdr::read<Imf::StreamIO>(stream, magic);
+  Imf::Xdr::read<Imf::StreamIO>(stream, version);
+  if (Imf::isMultiPart(version) || Imf::isNonImage(version))
+    throw TextureFileError("OpenEXR: several parts and deep pixels are not supported (supported: one flat image)");
+  Imf::Header header;
+  header.readFrom(stream, version);
+  const auto& window = header.dataWindow();
+  check_size(static_cast<ulong>(std::max(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{0})),
+             static_cast<ulong>(std::max(std::int64_t{window.max.y} - window.min.y + 1, std::int64_t{0})));
+}
+
+void read_pixels(Imf::InputFile& file, Image& image) {
+  const auto& header = file.header();
+  const auto names = channels_of(header.channels());
+  const auto& window = header.dataWindow();
+  image.channels = static_cast<uint>(names.size());
+  image.format = TEXEL_HALF;
+  for (const auto& name : names)
+    if (header.channels()[name].type != Imf::HALF) image.format = TEXEL_FLOAT;
+  allocate_texels(image, static_cast<ulong>(std::int64_t{window.max.x} - window.min.x + 1),
+                  static_cast<ulong>(std::int64_t{window.max.y} - window.min.y + 1));
+  const std::size_t size = image.format == TEXEL_HALF ? 2 : 4, stride = size * image.channels;
+  Imf::FrameBuffer frame;
+  for (std::size_t c = 0; c < names.size(); ++c)
+    frame.insert(names[c], Imf::Slice::Make(image.format == TEXEL_HALF ? Imf::HALF : Imf::FLOAT, image.texels.data() + c * size,
+                                            window, stride, stride * image.width));
+  file.setFrameBuffer(frame);
+  file.readPixels(window.min.y, window.max.y);
+}
+
+bool is_finite(const Image& image) {
+  const auto all = [&](auto finite, auto value) {
+    for (std::size_t i = 0; i < image.texels.size(); i += sizeof(value)) {
+      std::memcpy(&value, image.texels.data() + i, sizeof(value));
+      if (!finite(value)) return false;
+    }
+    return true;
+  };
+  if (image.format == TEXEL_FLOAT) return all([](float value) { return std::isfinite(value); }, float{});
+  return all([](std::uint16_t half) { return (half & 0x7c00u) != 0x7c00u; }, std::uint16_t{});
+}
+
+}  // namespace
+
+Image decode_exr(std::string_view bytes) {
+  Image image;
+  try {
+    check_header(bytes);
+    ByteStream stream(bytes);
+    Imf::InputFile file(stream, 0);
+    if (!file.isComplete()) throw TextureFileError("OpenEXR: it breaks off");
+    read_pixels(file, image);
+  } catch (const TextureFileError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw TextureFileError(std::string("OpenEXR: ") + error.what());
+  }
+  if (!is_finite(image)) throw TextureFileError("OpenEXR: a texel is not finite");
+  return image;
+}
+
+}  // namespace oclair

@@ -1,0 +1,162 @@
+#include "ply_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "number.h"
+
+namespace oclair {
+
+namespace {
+
+std::optional<Scalar> scalar_named(std::string_view name) {
+  constexpr std::array<const char*, 16> NAMES = {"char",   "int8",    "uchar",  "uint8",  "short", "int16",
+                                                 "ushort", "uint16",  "int",    "int32",  "uint",  "uint32",
+                                                 "float",  "float32", "double", "float64"};
+  const auto found = std::find(NAMES.begin(), NAMES.end(), name);
+  if (found == NAMES.end()) return std::nullopt;
+  return static_cast<Scalar>((found - NAMES.begin()) / 2);
+}
+
+std::size_t size_of(Scalar type) {
+  constexpr std::size_t SIZES[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return SIZES[static_cast<int>(type)];
+}
+
+}  // namespace
+
+bool is_integer(Scalar type) { return type != Scalar::float32 && type != Scalar::float64; }
+
+std::string_view next_word(std::string_view& text) {
+  constexpr std::string_view BLANKS = " \t\r\n";
+  const auto begin = text.find_first_not_of(BLANKS);
+  if (begin == std::string_view::npos) return text = {};
+  text.remove_prefix(begin);
+  const auto word = text.substr(0, text.find_first_of(BLANKS));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+namespace {
+
+Scalar type_in_header(std::string_view& line) {
+  const auto word = next_word(line);
+  const auto type = scalar_named(word);
+  if (!type) fail_ply("header: \"" + std::string(word.substr(0, 40)) + "\" is not a type");
+  return *type;
+}
+
+void read_header_line(PlyReader& reader, std::string_view line, bool& has_format) {
+  const std::string word(next_word(line));
+  if (word == "format") {
+    const auto format = next_word(line), version = next_word(line);
+    if (format == "ascii")
+      reader.encoding = Encoding::ascii;
+    else if (format == "binary_little_endian")
+      reader.encoding = Encoding::little_endian;
+    else if (format == "binary_big_endian")
+      reader.encoding = Encoding::big_endian;
+    else
+      fail_ply("header: format \"" + std::string(format.substr(0, 40)) + "\" is not known");
+    if (version != "1.0") fail_ply("header: version 1.0 is expected");
+    has_format = true;
+  } else if (word == "element") {
+    PlyElement element;
+    element.name = next_word(line);
+    const auto count = parse_integer(next_word(line));
+    if (!count || *count < 0 || *count >= static_cast<std::int64_t>(NONE))
+      fail_ply("header: the number of \"" + element.name.substr(0, 40) + "\" is not one");
+    element.count = static_cast<std::uint64_t>(*count);
+    reader.elements.push_back(element);
+  } else if (word == "property") {
+    if (reader.elements.empty()) fail_ply("header: a property stands before the first element");
+    PlyProperty property;
+    auto after = line;
+    if (next_word(after) == "list") {
+      line = after;
+      property.count_type = type_in_header(line);
+      if (!is_integer(*property.count_type)) fail_ply("header: the length of a list is not an integer");
+    }
+    property.type = type_in_header(line);
+    property.name = next_word(line);
+    reader.elements.back().properties.push_back(property);
+  } else if (word != "comment" && word != "obj_info" && !word.empty()) {
+    fail_ply("header: \"" + word.substr(0, 40) + "\" is not known");
+  }
+}
+
+}  // namespace
+
+void read_header(PlyReader& reader) {
+  const auto next_line = [&]() -> std::string_view {
+    const auto end = reader.rest.find('\n');
+    if (end == std::string_view::npos) fail_ply("the header breaks off");
+    auto line = reader.rest.substr(0, end);
+    reader.rest.remove_prefix(end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+  };
+  if (reader.rest.substr(0, 3) != "ply" || next_line() != "ply") fail_ply("it does not begin with \"ply\"");
+  bool has_format = false;
+  for (auto line = next_line(); line != "end_header"; line = next_line()) read_header_line(reader, line, has_format);
+  if (!has_format) fail_ply("header: the format is missing");
+  // Every element takes at least one byte, so that no count can promise more than the file holds.
+  for (const auto& element : reader.elements)
+    if (element.count > 0 && (element.properties.empty() || element.count > reader.rest.size()))
+      fail_ply("it breaks off before its " + std::to_string(element.count) + " elements \"" + element.name.substr(0, 40) +
+               "\"");
+}
+
+namespace {
+
+template <typename T>
+double decode(std::string_view bytes, Encoding encoding) {
+  char buffer[sizeof(T)];
+  std::memcpy(buffer, bytes.data(), sizeof(T));
+  const bool host_is_little = std::endian::native == std::endian::little;
+  if (host_is_little != (encoding == Encoding::little_endian)) std::reverse(buffer, buffer + sizeof(T));
+  T value;
+  std::memcpy(&value, buffer, sizeof(T));
+  return static_cast<double>(value);
+}
+
+}  // namespace
+
+double read_scalar(PlyReader& reader, Scalar type) {
+  if (reader.encoding == Encoding::ascii) {
+    const auto word = next_word(reader.rest);
+    if (word.empty()) fail_ply("it breaks off");
+    const auto number = parse_number(word);
+    if (!number) fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not a finite number");
+    if (is_integer(type) && *number != std::floor(*number))
+      fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not an integer");
+    return *number;
+  }
+  const auto bytes = reader.rest.substr(0, size_of(type));
+  if (bytes.size() < size_of(type)) fail_ply("it breaks off");
+  reader.rest.remove_prefix(bytes.size());
+  switch (type) {
+    case Scalar::int8:
+      return decode<std::int8_t>(bytes, reader.encoding);
+    case Scalar::uint8:
+      return decode<std::uint8_t>(bytes, reader.encoding);
+    case Scalar::int16:
+      return decode<std::int16_t>(bytes, reader.encoding);
+    case Scalar::uint16:
+      return decode<std::uint16_t>(bytes, reader.encoding);
+    case Scalar::int32:
+      return decode<std::int32_t>(bytes, reader.encoding);
+    case Scalar::uint32:
+      return decode<std::uint32_t>(bytes, reader.encoding);
+    case Scalar::float32:
+      return decode<float>(bytes, reader.encoding);
+    case Scalar::float64:
+      return decode<double>(bytes, reader.encoding);
+  }
+  fail_ply("a type is not known");
+}
+
+}  // namespace oclair

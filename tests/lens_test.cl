@@ -1,0 +1,18 @@
+#include "../cl/camera.h"
+
+__kernel void rays(uint count, __global const Camera *camera, __global const float *x, __global const float *y,
+                   __global const float2 *lens, __global Ray *result) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  Camera c = *camera;
+  result[i] = camera_ray(&c, x[i], y[i], lens[i]);
+}
+
+// Sample i of the pixel (x, y).
+__kernel void samples(uint count, __global const Camera *camera, __global const Settings *settings,
+                      __global const float2 *filter, uint x, uint y, __global Ray *result) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  Scene scene = {.camera = camera, .settings = settings, .filter = filter};
+  result[i] = camera_sample(&scene, x, y, rng_key(settings->seed, y * settings->film_width + x, i));
+}

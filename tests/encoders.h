@@ -6,6 +6,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
+#include <jpeglib.h>
 #include <png.h>
 
 #include <cstdint>
@@ -13,8 +14,6 @@
 #include <cstdlib>
 #include <string>
 #include <vector>
-
-#include <jpeglib.h>
 
 namespace oclair::test {
 
@@ -24,11 +23,14 @@ inline std::string png_bytes(unsigned width, unsigned height, int color_type, in
   std::string result;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
-  png_set_write_fn(png, &result, [](png_structp p, png_bytep bytes, std::size_t count) {
-    static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<const char*>(bytes), count);
-  }, nullptr);
-  png_set_IHDR(png, info, width, height, bits, color_type, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+  png_set_write_fn(
+      png, &result,
+      [](png_structp p, png_bytep bytes, std::size_t count) {
+        static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<const char*>(bytes), count);
+      },
+      nullptr);
+  png_set_IHDR(png, info, width, height, bits, color_type, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   if (color_type == PNG_COLOR_TYPE_PALETTE) {
     std::vector<png_color> palette;
     for (int i = 0; i < 1 << bits; ++i)
@@ -48,8 +50,8 @@ inline std::string png_bytes(unsigned width, unsigned height, int color_type, in
   return result;
 }
 
-inline std::string jpeg_bytes(unsigned width, unsigned height, J_COLOR_SPACE space, int components, std::vector<std::uint8_t> data,
-                              bool progressive = false) {
+inline std::string jpeg_bytes(unsigned width, unsigned height, J_COLOR_SPACE space, int components,
+                              std::vector<std::uint8_t> data, bool progressive = false) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -112,13 +114,15 @@ inline std::string exr_bytes(int width, int height, const std::vector<ExrChannel
   std::vector<std::vector<std::uint32_t>> integers(channels.size());
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const auto& c = channels[i];
-    for (const float v : c.values) halves[i].emplace_back(v), integers[i].push_back(c.type == Imf::UINT ? static_cast<std::uint32_t>(v) : 0);
-    const void* data = c.type == Imf::HALF ? static_cast<const void*>(halves[i].data())
+    for (const float v : c.values)
+      halves[i].emplace_back(v), integers[i].push_back(c.type == Imf::UINT ? static_cast<std::uint32_t>(v) : 0);
+    const void* data = c.type == Imf::HALF   ? static_cast<const void*>(halves[i].data())
                        : c.type == Imf::UINT ? static_cast<const void*>(integers[i].data())
                                              : static_cast<const void*>(c.values.data());
     const std::size_t size = c.type == Imf::HALF ? 2 : 4;
-    frame.insert(c.name, Imf::Slice::Make(c.type, data, window, size, size * static_cast<std::size_t>((width + c.sampling - 1) / c.sampling),
-                                          c.sampling, c.sampling));
+    frame.insert(c.name, Imf::Slice::Make(c.type, data, window, size,
+                                          size * static_cast<std::size_t>((width + c.sampling - 1) / c.sampling), c.sampling,
+                                          c.sampling));
   }
   ByteSink sink;
   {

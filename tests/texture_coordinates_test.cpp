@@ -15,10 +15,11 @@ struct Result {
   cl_uint primitive, face;
 };
 
-std::vector<Result> coordinates(const Scene& scene, const Bvh& bvh, const std::vector<Ray>& rays, const std::vector<Hit>& hits) {
+std::vector<Result> coordinates(const Scene& scene, const Bvh& bvh, const std::vector<Ray>& rays,
+                                const std::vector<Hit>& hits) {
   std::vector<Result> results(hits.size());
-  run_with({every_feature, bvh.width}, "texture_coordinates_test.cl", "coordinates", hits.size(), bvh.blocks, scene.quadrics, scene.shapes,
-           scene.triangle_shape, scene.triangle_vertices, scene.uvs, scene.normals, rays, hits, out(results));
+  run_with({every_feature, bvh.width}, "texture_coordinates_test.cl", "coordinates", hits.size(), bvh.blocks, scene.quadrics,
+           scene.shapes, scene.triangle_shape, scene.triangle_vertices, scene.uvs, scene.normals, rays, hits, out(results));
   return results;
 }
 
@@ -84,7 +85,8 @@ void expect_surface(const std::vector<Result>& results, Position position, doubl
     const double u = r.u, v = r.v;
     ASSERT_TRUE(u >= 0 && u <= 1 && v >= 0 && v <= 1) << what;
     EXPECT_LE(glm::length(position(u, v) - unpacked(r.position)), tolerance) << what << " " << u << " " << v;
-    const glm::dvec3 du = (position(u + h, v) - position(u - h, v)) / (2 * h), dv = (position(u, v + h) - position(u, v - h)) / (2 * h);
+    const glm::dvec3 du = (position(u + h, v) - position(u - h, v)) / (2 * h),
+                     dv = (position(u, v + h) - position(u, v - h)) / (2 * h);
     EXPECT_LE(glm::length(du - unpacked(r.dp_du)), 2 * pi * tolerance + 1e-8) << what << " " << u << " " << v;
     EXPECT_LE(glm::length(dv - unpacked(r.dp_dv)), 2 * pi * tolerance + 1e-8) << what << " " << u << " " << v;
   }
@@ -128,7 +130,8 @@ void expect_coordinates(const std::string& shape, const std::vector<Expected>& r
 
 }  // namespace
 
-// (1 - b1 - b2) rounds twice, three products and two sums: 7 roundings of the terms, coordinates are at most 2; themselves rounded once.
+// (1 - b1 - b2) rounds twice, three products and two sums: 7 roundings of the terms, coordinates are at most 2; themselves
+// rounded once.
 TEST(texture_coordinates_test, coordinates_are_interpolated_between_the_vertices_of_a_triangle) {
   Random random(1);
   const World world = soup(count_or_small(2000, 10), true, random);
@@ -151,8 +154,8 @@ TEST(texture_coordinates_test, coordinates_are_interpolated_between_the_vertices
   }
 }
 
-// The oracle solves edge_k = dp_du d_k.u + dp_dv d_k.v in double. Differences of rounded coordinates err by 3u each, the products and the
-// determinant by a few u more: 8 u of the terms, enlarged by the condition of the determinant.
+// The oracle solves edge_k = dp_du d_k.u + dp_dv d_k.v in double. Differences of rounded coordinates err by 3u each, the
+// products and the determinant by a few u more: 8 u of the terms, enlarged by the condition of the determinant.
 TEST(texture_coordinates_test, tangents_of_a_triangle_map_coordinates_to_positions) {
   Random random(2);
   const World world = soup(count_or_small(2000, 10), true, random);
@@ -228,7 +231,8 @@ TEST(texture_coordinates_test, only_shapes_that_a_texture_asks_carry_coordinates
   EXPECT_TRUE(plain.texels.empty());
 }
 
-// Longitude in turns, angle from +z in half turns; disk: radius, longitude; cylinder: longitude, height. In frames of any kind.
+// Longitude in turns, angle from +z in half turns; disk: radius, longitude; cylinder: longitude, height. In frames of any
+// kind.
 TEST(texture_coordinates_test, quadrics_have_the_coordinates_of_their_parametrisation) {
   Random random(6);
   for (const Geometry geometry : {Geometry::sphere, Geometry::disk, Geometry::cylinder})
@@ -236,9 +240,11 @@ TEST(texture_coordinates_test, quadrics_have_the_coordinates_of_their_parametris
       World world;
       WorldShape& shape = add_shape(world, diffuse(0.5), Sides::both);
       shape.geometry = geometry;
-      const glm::dvec3 z = random.direction(), x = glm::normalize(glm::cross(z, random.direction())), y = glm::cross(z, x) * mirror;
+      const glm::dvec3 z = random.direction(), x = glm::normalize(glm::cross(z, random.direction())),
+                       y = glm::cross(z, x) * mirror;
       const double height = geometry == Geometry::sphere ? 0.7 : 0.9, across = geometry == Geometry::disk ? 0.4 : 0.7;
-      shape.to_world = glm::dmat4(glm::dvec4(x * 0.7, 0), glm::dvec4(y * across, 0), glm::dvec4(z * height, 0), glm::dvec4(0.1, -0.2, 0.3, 1));
+      shape.to_world = glm::dmat4(glm::dvec4(x * 0.7, 0), glm::dvec4(y * across, 0), glm::dvec4(z * height, 0),
+                                  glm::dvec4(0.1, -0.2, 0.3, 1));
       make_textured(world);
       const Scene scene = place_scene(world);
       const Bvh bvh = build_bvh(scene, 8);
@@ -248,42 +254,64 @@ TEST(texture_coordinates_test, quadrics_have_the_coordinates_of_their_parametris
       const Hits at = rays_at(scene, bvh, center, length(1.0), random);
       ASSERT_GT(at.hits.size(), small_inputs() ? 0u : 100u);
       const auto position = [&](double u, double v) -> glm::dvec3 {
-        if (geometry == Geometry::disk) return center + v * 0.0 + u * (ax * std::cos(2 * pi * v) + ay * std::sin(2 * pi * v));
+        if (geometry == Geometry::disk)
+          return center + v * 0.0 + u * (ax * std::cos(2 * pi * v) + ay * std::sin(2 * pi * v));
         const glm::dvec3 ring = ax * std::cos(2 * pi * u) + ay * std::sin(2 * pi * u);
         if (geometry == Geometry::cylinder) return center + ring + az * v;
         return center + std::sin(pi * v) * ring + std::cos(pi * v) * az;
       };
       expect_surface(coordinates(scene, bvh, at.rays, at.hits), position, length(1.0) + glm::length(center),
-                     geometry == Geometry::sphere ? "sphere" : geometry == Geometry::disk ? "disk" : "cylinder");
+                     geometry == Geometry::sphere ? "sphere"
+                     : geometry == Geometry::disk ? "disk"
+                                                  : "cylinder");
     }
 }
 
 // All below: measured in Mitsuba 3.9.1, variant scalar_rgb, ray_intersect(...).uv, 5 digits.
 TEST(texture_coordinates_test, rectangles_and_cubes_have_the_coordinates_of_mitsuba) {
   const glm::dvec3 down(0, 0, -1);
-  expect_coordinates("type=\"rectangle\">", {{{-.5, -.8, 1}, down, .25, .1}, {{.5, -.8, 1}, down, .75, .1}, {{-.5, .8, 1}, down, .25, .9}, {{.5, .3, -1}, -down, .75, .65}});
-  expect_coordinates("type=\"rectangle\"><transform name=\"to_world\"><scale x=\"-1\"/></transform>", {{{.3, .4, 3}, down, .35, .7}});
-  expect_coordinates("type=\"cube\">", {{{-3, .4, -.7}, {1, 0, 0}, .7, .15}, {{3, .4, -.7}, {-1, 0, 0}, .7, .85}, {{-.7, -3, .4}, {0, 1, 0}, .7, .15},
-                                        {{-.7, 3, .4}, {0, -1, 0}, .85, .3}, {{.4, -.7, -3}, {0, 0, 1}, .85, .7}, {{.4, -.7, 3}, down, .15, .7}});
+  expect_coordinates("type=\"rectangle\">", {{{-.5, -.8, 1}, down, .25, .1},
+                                             {{.5, -.8, 1}, down, .75, .1},
+                                             {{-.5, .8, 1}, down, .25, .9},
+                                             {{.5, .3, -1}, -down, .75, .65}});
+  expect_coordinates("type=\"rectangle\"><transform name=\"to_world\"><scale x=\"-1\"/></transform>",
+                     {{{.3, .4, 3}, down, .35, .7}});
+  expect_coordinates("type=\"cube\">", {{{-3, .4, -.7}, {1, 0, 0}, .7, .15},
+                                        {{3, .4, -.7}, {-1, 0, 0}, .7, .85},
+                                        {{-.7, -3, .4}, {0, 1, 0}, .7, .15},
+                                        {{-.7, 3, .4}, {0, -1, 0}, .85, .3},
+                                        {{.4, -.7, -3}, {0, 0, 1}, .85, .7},
+                                        {{.4, -.7, 3}, down, .15, .7}});
 }
 
 TEST(texture_coordinates_test, quadrics_have_the_coordinates_of_mitsuba) {
   const glm::dvec3 down(0, 0, -1), left(-1, 0, 0);
   const auto to_world = [](const std::string& steps) { return "<transform name=\"to_world\">" + steps + "</transform>"; };
-  expect_coordinates("type=\"disk\">", {{{.3, .4, 1}, down, .5, .14758}, {{.3, -.4, 1}, down, .5, .85242}, {{-.3, .4, 1}, down, .5, .35242}});
+  expect_coordinates("type=\"disk\">",
+                     {{{.3, .4, 1}, down, .5, .14758}, {{.3, -.4, 1}, down, .5, .85242}, {{-.3, .4, 1}, down, .5, .35242}});
   expect_coordinates("type=\"disk\">" + to_world("<scale x=\"2\" y=\"3\"/>"), {{{.3, .4, 1}, down, .20069, .11565}});
   expect_coordinates("type=\"disk\">" + to_world("<scale x=\"-2\" y=\"3\"/>"), {{{.3, -.4, 1}, down, .20069, .61565}});
-  expect_coordinates("type=\"sphere\">", {{{.3, .4, 3}, down, .14758, .16667}, {{.3, -.4, 3}, down, .85242, .16667}, {{-.3, .4, -3}, -down, .35242, .83333}});
-  expect_coordinates("type=\"sphere\"><float name=\"radius\" value=\"2\"/><point name=\"center\" value=\"1, 0, 0\"/>" + to_world("<rotate x=\"1\" angle=\"90\"/>"),
+  expect_coordinates(
+      "type=\"sphere\">",
+      {{{.3, .4, 3}, down, .14758, .16667}, {{.3, -.4, 3}, down, .85242, .16667}, {{-.3, .4, -3}, -down, .35242, .83333}});
+  expect_coordinates("type=\"sphere\"><float name=\"radius\" value=\"2\"/><point name=\"center\" value=\"1, 0, 0\"/>" +
+                         to_world("<rotate x=\"1\" angle=\"90\"/>"),
                      {{{1.3, -5, .4}, {0, 1, 0}, .14758, .08043}});
-  expect_coordinates("type=\"sphere\">" + to_world("<rotate z=\"1\" angle=\"30\"/><rotate y=\"1\" angle=\"90\"/>"), {{{3, .3, .4}, left, .31425, .16667}});
+  expect_coordinates("type=\"sphere\">" + to_world("<rotate z=\"1\" angle=\"30\"/><rotate y=\"1\" angle=\"90\"/>"),
+                     {{{3, .3, .4}, left, .31425, .16667}});
   expect_coordinates("type=\"sphere\">" + to_world("<scale x=\"-1\"/>"), {{{.3, .4, 3}, down, .35242, .16667}});
-  expect_coordinates("type=\"cylinder\">", {{{3, .3, .25}, left, .04849, .25}, {{3, -.3, .25}, left, .95151, .25}, {{-3, .3, .75}, -left, .45151, .75}});
+  expect_coordinates(
+      "type=\"cylinder\">",
+      {{{3, .3, .25}, left, .04849, .25}, {{3, -.3, .25}, left, .95151, .25}, {{-3, .3, .75}, -left, .45151, .75}});
   expect_coordinates("type=\"cylinder\">" + to_world("<scale y=\"-1\"/>"), {{{3, .3, .25}, left, .95151, .25}});
   const auto between = [](const std::string& p0, const std::string& p1, const std::string& radius) {
-    return "type=\"cylinder\"><point name=\"p0\" value=\"" + p0 + "\"/><point name=\"p1\" value=\"" + p1 + "\"/><float name=\"radius\" value=\"" + radius + "\"/>";
+    return "type=\"cylinder\"><point name=\"p0\" value=\"" + p0 + "\"/><point name=\"p1\" value=\"" + p1 +
+           "\"/><float name=\"radius\" value=\"" + radius + "\"/>";
   };
-  expect_coordinates(between("1, 0, 0", "1, 0, 3", "2"), {{{5, .3, .5}, left, .02396, .16667}, {{1, 5, .5}, {0, -1, 0}, .25, .16667}});
-  expect_coordinates(between("0, 0, 0", "3, 0, 0", "1"), {{{1, .3, 5}, down, .45151, .33333}, {{1, 5, .2}, {0, -1, 0}, .28205, .33333}});
-  expect_coordinates(between("0, 0, 0", "1, 2, -2", "1"), {{{.5, 1, 5}, down, .82379, .20186}, {{.5, 5, -1}, {0, -1, 0}, .72138, .79814}});
+  expect_coordinates(between("1, 0, 0", "1, 0, 3", "2"),
+                     {{{5, .3, .5}, left, .02396, .16667}, {{1, 5, .5}, {0, -1, 0}, .25, .16667}});
+  expect_coordinates(between("0, 0, 0", "3, 0, 0", "1"),
+                     {{{1, .3, 5}, down, .45151, .33333}, {{1, 5, .2}, {0, -1, 0}, .28205, .33333}});
+  expect_coordinates(between("0, 0, 0", "1, 2, -2", "1"),
+                     {{{.5, 1, 5}, down, .82379, .20186}, {{.5, 5, -1}, {0, -1, 0}, .72138, .79814}});
 }

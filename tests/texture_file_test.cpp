@@ -67,7 +67,8 @@ std::string png_that_says(std::uint32_t width, std::uint32_t height) {
 
 const std::string PNG = png_bytes(5, 3, PNG_COLOR_TYPE_RGB, 16, counted(90));
 const std::string JPEG = jpeg_bytes(9, 5, JCS_RGB, 3, counted(135));
-const std::string EXR = exr_bytes(3, 2, {{"R", Imf::HALF, floats(6)}, {"G", Imf::HALF, floats(6)}, {"B", Imf::HALF, floats(6)}});
+const std::string EXR =
+    exr_bytes(3, 2, {{"R", Imf::HALF, floats(6)}, {"G", Imf::HALF, floats(6)}, {"B", Imf::HALF, floats(6)}});
 
 }  // namespace
 
@@ -76,10 +77,16 @@ TEST(texture_file_test, png_keeps_its_bits_and_drops_alpha) {
     int type, bits, file_channels, channels;
   };
   for (const bool interlaced : {false, true})
-    for (const Row& row : {Row{PNG_COLOR_TYPE_GRAY, 8, 1, 1}, {PNG_COLOR_TYPE_GRAY_ALPHA, 8, 2, 1}, {PNG_COLOR_TYPE_RGB, 8, 3, 3},
-                           {PNG_COLOR_TYPE_RGB_ALPHA, 8, 4, 3}, {PNG_COLOR_TYPE_GRAY, 16, 1, 1}, {PNG_COLOR_TYPE_GRAY_ALPHA, 16, 2, 1},
-                           {PNG_COLOR_TYPE_RGB, 16, 3, 3}, {PNG_COLOR_TYPE_RGB_ALPHA, 16, 4, 3}}) {
-      const std::size_t bytes = static_cast<std::size_t>(row.bits) / 8, pixel = bytes * static_cast<std::size_t>(row.file_channels);
+    for (const Row& row : {Row{PNG_COLOR_TYPE_GRAY, 8, 1, 1},
+                           {PNG_COLOR_TYPE_GRAY_ALPHA, 8, 2, 1},
+                           {PNG_COLOR_TYPE_RGB, 8, 3, 3},
+                           {PNG_COLOR_TYPE_RGB_ALPHA, 8, 4, 3},
+                           {PNG_COLOR_TYPE_GRAY, 16, 1, 1},
+                           {PNG_COLOR_TYPE_GRAY_ALPHA, 16, 2, 1},
+                           {PNG_COLOR_TYPE_RGB, 16, 3, 3},
+                           {PNG_COLOR_TYPE_RGB_ALPHA, 16, 4, 3}}) {
+      const std::size_t bytes = static_cast<std::size_t>(row.bits) / 8,
+                        pixel = bytes * static_cast<std::size_t>(row.file_channels);
       const Bytes data = counted(5 * 3 * pixel);
       const Image image = parse_image(png_bytes(5, 3, row.type, row.bits, data, interlaced));
       ASSERT_EQ(image.width, 5u);
@@ -92,7 +99,8 @@ TEST(texture_file_test, png_keeps_its_bits_and_drops_alpha) {
         for (std::size_t c = 0; c < image.channels; ++c) {
           const std::size_t from = p * pixel + c * bytes, to = p * image.channels + c;
           const int expected = bytes == 1 ? data[from] : data[from] << 8 | data[from + 1];
-          ASSERT_EQ(bytes == 1 ? texels<std::uint8_t>(image)[to] : texels<std::uint16_t>(image)[to], expected) << row.type << " " << row.bits;
+          ASSERT_EQ(bytes == 1 ? texels<std::uint8_t>(image)[to] : texels<std::uint16_t>(image)[to], expected)
+              << row.type << " " << row.bits;
         }
     }
 }
@@ -133,7 +141,8 @@ TEST(texture_file_test, jpeg_is_gray_or_rgb) {
 TEST(texture_file_test, exr_stays_half_or_float) {
   const auto r = floats(6), g = std::vector<float>(6, 2.0f), b = std::vector<float>(6, -1.0f);
   for (const auto type : {Imf::HALF, Imf::FLOAT}) {
-    const Image image = parse_image(exr_bytes(3, 2, {{"R", type, r}, {"G", type, g}, {"B", type, b}, {"A", type, r}, {"Z", Imf::FLOAT, g}}));
+    const Image image =
+        parse_image(exr_bytes(3, 2, {{"R", type, r}, {"G", type, g}, {"B", type, b}, {"A", type, r}, {"Z", Imf::FLOAT, g}}));
     EXPECT_EQ(image.width, 3u);
     EXPECT_EQ(image.height, 2u);
     ASSERT_EQ(image.channels, 3u);
@@ -142,7 +151,9 @@ TEST(texture_file_test, exr_stays_half_or_float) {
     for (std::size_t i = 0; i < 6; ++i) {
       const float expected[] = {r[i], g[i], b[i]};
       for (std::size_t c = 0; c < 3; ++c)
-        EXPECT_EQ(type == Imf::HALF ? static_cast<float>(texels<Imath::half>(image)[3 * i + c]) : texels<float>(image)[3 * i + c], expected[c]);
+        EXPECT_EQ(
+            type == Imf::HALF ? static_cast<float>(texels<Imath::half>(image)[3 * i + c]) : texels<float>(image)[3 * i + c],
+            expected[c]);
     }
   }
   const Image mixed = parse_image(exr_bytes(3, 2, {{"R", Imf::HALF, r}, {"G", Imf::FLOAT, g}, {"B", Imf::UINT, g}}));
@@ -156,13 +167,15 @@ TEST(texture_file_test, exr_stays_half_or_float) {
 TEST(texture_file_test, other_formats_and_layouts_are_refused) {
   EXPECT_EQ(refusal(""), "it is not an image of a known format (known: PNG, JPEG, OpenEXR)");
   EXPECT_EQ(refusal("GIF89a"), "it is not an image of a known format (known: PNG, JPEG, OpenEXR)");
-  EXPECT_EQ(refusal(jpeg_bytes(8, 8, JCS_CMYK, 4, counted(256))), "JPEG: its 4 components are not supported (supported: gray, RGB)");
+  EXPECT_EQ(refusal(jpeg_bytes(8, 8, JCS_CMYK, 4, counted(256))),
+            "JPEG: its 4 components are not supported (supported: gray, RGB)");
   const auto v = floats(16);
   EXPECT_EQ(refusal(exr_bytes(4, 4, {{"R", Imf::HALF, v}, {"G", Imf::HALF, v}})),
             "OpenEXR: its channels G, R are not supported (supported: R, G, B, or Y, all at full resolution)");
   EXPECT_NE(refusal(exr_bytes(4, 4, {{"Y", Imf::HALF, v}, {"RY", Imf::HALF, v}, {"BY", Imf::HALF, v}})), "");
   EXPECT_NE(refusal(exr_bytes(4, 4, {{"diffuse.R", Imf::HALF, v}})), "");
-  EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::FLOAT, {std::numeric_limits<float>::quiet_NaN()}}})), "OpenEXR: a texel is not finite");
+  EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::FLOAT, {std::numeric_limits<float>::quiet_NaN()}}})),
+            "OpenEXR: a texel is not finite");
   EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::HALF, {1e9f}}})), "OpenEXR: a texel is not finite");
 }
 
@@ -183,7 +196,8 @@ TEST(texture_file_test, every_truncation_is_refused) {
   for (const std::string& whole : {PNG, JPEG, EXR, png_bytes(5, 3, PNG_COLOR_TYPE_PALETTE, 4, Bytes(15, 3), true),
                                    jpeg_bytes(30, 20, JCS_GRAYSCALE, 1, counted(600), true)}) {
     ASSERT_EQ(refusal(whole), "");
-    for (std::size_t size = 0; size < whole.size(); ++size) ASSERT_NE(refusal(whole.substr(0, size)), "") << size << " of " << whole.size();
+    for (std::size_t size = 0; size < whole.size(); ++size)
+      ASSERT_NE(refusal(whole.substr(0, size)), "") << size << " of " << whole.size();
   }
 }
 

@@ -37,7 +37,8 @@ WorldTexture float_bitmap(uint width, uint height, const std::vector<float>& val
   return texture;
 }
 
-// Nothing but the square's own light is seen: each sample of a pixel is light * albedo or 0, by whether its one light sample goes up.
+// Nothing but the square's own light is seen: each sample of a pixel is light * albedo or 0, by whether its one light sample
+// goes up.
 std::vector<float> some_albedos(std::size_t count) {
   std::vector<float> values;
   for (std::size_t i = 0; i < count; ++i) values.push_back(0.1f + 0.8f * static_cast<float>(i * 37 % 101) / 100.0f);
@@ -46,8 +47,8 @@ std::vector<float> some_albedos(std::size_t count) {
 
 }  // namespace
 
-// Each pixel shows one texel. The light is sampled by two ways, weighted: no sample exceeds twice its mean by much, so that the standard
-// error of n samples is below mean * sqrt(3 / n); 4.27 of those.
+// Each pixel shows one texel. The light is sampled by two ways, weighted: no sample exceeds twice its mean by much, so that
+// the standard error of n samples is below mean * sqrt(3 / n); 4.27 of those.
 TEST(texture_image, nearest_shows_the_texels_as_they_are) {
   const uint size = 8, samples = 1024;
   World world = square(size);
@@ -58,12 +59,14 @@ TEST(texture_image, nearest_shows_the_texels_as_they_are) {
   for (std::size_t i = 0; i < size * size; ++i) {
     const auto rgb = pixel_mean(film, i);
     for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_NEAR(rgb[c], light * values[3 * i + c], 4.27 * light * values[3 * i + c] * std::sqrt(3.0 / samples)) << "pixel " << i;
+      EXPECT_NEAR(rgb[c], light * values[3 * i + c], 4.27 * light * values[3 * i + c] * std::sqrt(3.0 / samples))
+          << "pixel " << i;
     EXPECT_NEAR(rgb[1] * values[3 * i], rgb[0] * values[3 * i + 1], 1e-6) << "channels of one sample see one light";
   }
 }
 
-// Between the centres of the four texels the mean over a pixel of a product of two linear functions is its value at the pixel's centre.
+// Between the centres of the four texels the mean over a pixel of a product of two linear functions is its value at the
+// pixel's centre.
 TEST(texture_image, bilinear_runs_from_texel_to_texel) {
   const uint size = 8, samples = 1024;
   World world = square(size);
@@ -77,7 +80,8 @@ TEST(texture_image, bilinear_runs_from_texel_to_texel) {
     for (uint x = 2; x < 6; ++x) {
       const double a = (x + 0.5) / 4 - 0.5, b = (y + 0.5) / 4 - 0.5;
       const double albedo = (1 - b) * ((1 - a) * corner[0] + a * corner[1]) + b * ((1 - a) * corner[2] + a * corner[3]);
-      EXPECT_NEAR(pixel_mean(film, y * size + x)[0], light * albedo, 4.27 * light * albedo * std::sqrt(3.0 / samples)) << x << " " << y;
+      EXPECT_NEAR(pixel_mean(film, y * size + x)[0], light * albedo, 4.27 * light * albedo * std::sqrt(3.0 / samples))
+          << x << " " << y;
     }
 }
 
@@ -88,10 +92,12 @@ TEST(texture_image, a_texture_of_one_value_renders_as_that_colour) {
   textured.textures.push_back(float_bitmap(1, 1, {albedo, albedo, albedo}));
   plain.materials[0] = diffuse(albedo);
   const Film a = render_full(textured, 16), b = render_full(plain, 16);
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) EXPECT_EQ(std::memcmp(&a.pixels[i], &b.pixels[i], sizeof(FilmPixel)), 0) << i;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    EXPECT_EQ(std::memcmp(&a.pixels[i], &b.pixels[i], sizeof(FilmPixel)), 0) << i;
 }
 
-// The attribute of a vertex is 1 there and 0 elsewhere: the mean of the albedo over the square is that of the barycentric coordinate.
+// The attribute of a vertex is 1 there and 0 elsewhere: the mean of the albedo over the square is that of the barycentric
+// coordinate.
 TEST(texture_image, vertex_attributes_are_interpolated_over_the_square) {
   World world = square(16);
   world.shapes[0].mesh.attributes.push_back({"vertex_heat", false, 1, {0.0f, 0.0f, 1.0f, 0.0f}});

@@ -42,10 +42,11 @@ TEST(texture_reader_test, a_bitmap_has_the_defaults_of_mitsuba) {
 }
 
 TEST(texture_reader_test, a_bitmap_is_read_as_it_says) {
-  const World world = read(bitmap("<string name=\"filter_type\" value=\"nearest\"/><string name=\"wrap_mode\" value=\"mirror\"/>") +
-                           bitmap("<string name=\"wrap_mode\" value=\"clamp\"/><boolean name=\"raw\" value=\"true\"/>"
-                                  "<string name=\"format\" value=\"fp16\"/><boolean name=\"accel\" value=\"false\"/>") +
-                           bitmap("", "a.exr"));
+  const World world =
+      read(bitmap("<string name=\"filter_type\" value=\"nearest\"/><string name=\"wrap_mode\" value=\"mirror\"/>") +
+           bitmap("<string name=\"wrap_mode\" value=\"clamp\"/><boolean name=\"raw\" value=\"true\"/>"
+                  "<string name=\"format\" value=\"fp16\"/><boolean name=\"accel\" value=\"false\"/>") +
+           bitmap("", "a.exr"));
   EXPECT_TRUE(world.textures[0].nearest);
   EXPECT_EQ(world.textures[0].wrap, WRAP_MIRROR);
   EXPECT_EQ(world.textures[1].wrap, WRAP_CLAMP);
@@ -58,15 +59,17 @@ TEST(texture_reader_test, a_bitmap_is_read_as_it_says) {
 
 // Measured in Mitsuba 3.9.1: rows and columns of x and y, and the translation in x and y.
 TEST(texture_reader_test, to_uv_is_the_part_of_the_matrix_in_the_plane) {
-  const World world = read(bitmap("<transform name=\"to_uv\"><matrix value=\".1 .2 .3 .4  .15 .25 .35 .12  .05 .06 .9 .08  0 0 0 1\"/></transform>"));
+  const World world = read(bitmap(
+      "<transform name=\"to_uv\"><matrix value=\".1 .2 .3 .4  .15 .25 .35 .12  .05 .06 .9 .08  0 0 0 1\"/></transform>"));
   const glm::dvec3 at = world.textures[0].to_uv * glm::dvec3(1, 0, 1);
   expect_near(at, {.5, .27, 1}, 1e-15);
   expect_near(world.textures[0].to_uv * glm::dvec3(0, 1, 1), {.6, .37, 1}, 1e-15);
 }
 
 TEST(texture_reader_test, a_checkerboard_has_two_colours) {
-  const World world = read("<texture type=\"checkerboard\"/><texture type=\"checkerboard\"><rgb name=\"color0\" value=\"1, 0, .5\"/>"
-                           "<float name=\"color1\" value=\".7\"/><transform name=\"to_uv\"><scale value=\"8\"/></transform></texture>");
+  const World world = read(
+      "<texture type=\"checkerboard\"/><texture type=\"checkerboard\"><rgb name=\"color0\" value=\"1, 0, .5\"/>"
+      "<float name=\"color1\" value=\".7\"/><transform name=\"to_uv\"><scale value=\"8\"/></transform></texture>");
   EXPECT_EQ(world.textures[0].kind, TEXTURE_CHECKERBOARD);
   expect_near(world.textures[0].color0, glm::dvec3(.4), 0);
   expect_near(world.textures[0].color1, glm::dvec3(.2), 0);
@@ -76,15 +79,19 @@ TEST(texture_reader_test, a_checkerboard_has_two_colours) {
 }
 
 TEST(texture_reader_test, a_mesh_attribute_has_a_name) {
-  EXPECT_EQ(read("<texture type=\"mesh_attribute\"><string name=\"name\" value=\"vertex_color\"/></texture>").textures[0].attribute,
+  EXPECT_EQ(read("<texture type=\"mesh_attribute\"><string name=\"name\" value=\"vertex_color\"/></texture>")
+                .textures[0]
+                .attribute,
             "vertex_color");
 }
 
 TEST(texture_reader_test, a_texture_that_is_referred_to_twice_is_one) {
   SceneDirectory directory;
   directory.write("a.png", PNG);
-  directory.write("scene.xml", "<scene version=\"3.0.0\"><texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"a.png\"/></texture>"
-                               "<bsdf type=\"x\"><ref id=\"t\" name=\"a\"/><ref id=\"t\" name=\"b\"/><float name=\"c\" value=\"1\"/></bsdf></scene>");
+  directory.write(
+      "scene.xml",
+      "<scene version=\"3.0.0\"><texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"a.png\"/></texture>"
+      "<bsdf type=\"x\"><ref id=\"t\" name=\"a\"/><ref id=\"t\" name=\"b\"/><float name=\"c\" value=\"1\"/></bsdf></scene>");
   Document document = read_document(directory.path() / "scene.xml", {});
   World world;
   KnownTextures known;
@@ -102,7 +109,10 @@ const std::string CORNERS = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .2\nvt .9
 Mesh shape(const std::string& type, const std::string& text, const std::string& content = "") {
   SceneDirectory directory;
   directory.write("mesh", text);
-  return directory.read(SENSOR + "<shape type=\"" + type + "\"><string name=\"filename\" value=\"mesh\"/>" + content + "</shape>").shapes[0].mesh;
+  return directory
+      .read(SENSOR + "<shape type=\"" + type + "\"><string name=\"filename\" value=\"mesh\"/>" + content + "</shape>")
+      .shapes[0]
+      .mesh;
 }
 
 // Measured in Mitsuba 3.9.1.
@@ -134,10 +144,12 @@ TEST(texture_reader_test, obj_corners_without_coordinates_among_others_get_0_and
   }
 }
 
-std::string ply(const std::string& vertex_properties, const std::string& face_properties, const std::string& vertex, const std::string& face) {
-  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties +
-         "element face 1\nproperty list uchar int vertex_indices\n" + face_properties + "end_header\n0 0 0 " + vertex + "\n1 0 0 " + vertex +
-         "\n1 1 0 " + vertex + "\n0 1 0 " + vertex + "\n4 0 1 2 3 " + face + "\n";
+std::string ply(const std::string& vertex_properties, const std::string& face_properties, const std::string& vertex,
+                const std::string& face) {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
+         vertex_properties + "element face 1\nproperty list uchar int vertex_indices\n" + face_properties +
+         "end_header\n0 0 0 " + vertex + "\n1 0 0 " + vertex + "\n1 1 0 " + vertex + "\n0 1 0 " + vertex + "\n4 0 1 2 3 " +
+         face + "\n";
 }
 
 std::string properties(const std::string& type, std::initializer_list<std::string> names) {
@@ -184,18 +196,22 @@ TEST(texture_reader_test, ply_properties_are_grouped_into_attributes) {
       {{"texture_u", "texture_v"}, ""}};
   for (const auto& [names, expected] : rows) {
     std::string header, values;
-    for (std::size_t i = 0; i < names.size(); ++i) header += "property float " + names[i] + "\n", values += std::to_string(0.5 * double(i)) + " ";
+    for (std::size_t i = 0; i < names.size(); ++i)
+      header += "property float " + names[i] + "\n", values += std::to_string(0.5 * double(i)) + " ";
     const auto mesh = parse_ply(ply(header, "", values, ""));
     EXPECT_EQ(names_of(mesh.attributes), expected) << header;
     for (const auto& a : mesh.attributes) {
       EXPECT_FALSE(a.per_face);
       ASSERT_EQ(a.values.size(), 4 * a.channels);
       const float first = a.name == "vertex_bar" ? 1.5f : 0.0f;
-      for (std::size_t i = 0; i < a.values.size(); ++i) EXPECT_EQ(a.values[i], first + 0.5f * static_cast<float>(i % a.channels));
+      for (std::size_t i = 0; i < a.values.size(); ++i)
+        EXPECT_EQ(a.values[i], first + 0.5f * static_cast<float>(i % a.channels));
     }
   }
-  EXPECT_EQ(parse_ply(ply(properties("float", {"g", "r", "b"}), "", "1 2 3", "")).attributes[0].values[0], 2.0f);  // by name, not by place
-  EXPECT_EQ(names_of(parse_ply(ply(properties("uchar", {"red", "green", "blue"}), "", "1 2 3", "")).attributes), "vertex_color:3i ");
+  EXPECT_EQ(parse_ply(ply(properties("float", {"g", "r", "b"}), "", "1 2 3", "")).attributes[0].values[0],
+            2.0f);  // by name, not by place
+  EXPECT_EQ(names_of(parse_ply(ply(properties("uchar", {"red", "green", "blue"}), "", "1 2 3", "")).attributes),
+            "vertex_color:3i ");
 }
 
 TEST(texture_reader_test, the_triangles_of_a_polygon_share_its_attributes) {
@@ -237,7 +253,8 @@ TEST(texture_reader_test, a_shape_has_the_attributes_that_its_textures_ask_for) 
   EXPECT_EQ(placing(floats, "face_color"),
             "scene.xml:3: the shape at scene.xml:7 has no attribute \"face_color\" (it has: vertex_color, face_heat)");
   EXPECT_EQ(placing(ply(properties("uchar", {"red", "green", "blue"}), "", "1 2 3", ""), "vertex_color"),
-            "scene.xml:3: the attribute \"vertex_color\" of the shape at scene.xml:7 is of integers, expected floating-point numbers");
+            "scene.xml:3: the attribute \"vertex_color\" of the shape at scene.xml:7 is of integers, expected "
+            "floating-point numbers");
 }
 
 // Attributes of the faces that are kept: one without an area is left out, and its value with it.

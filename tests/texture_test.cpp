@@ -28,8 +28,8 @@ std::int64_t wrapped(std::int64_t i, std::int64_t n, TextureWrap wrap) {
 // An equivalent coordinate near 0: 2 is a period of all that repeats. Exact.
 Real near_zero(Real x, TextureWrap wrap) { return wrap == WRAP_CLAMP ? std::clamp<Real>(x, -1, 2) : std::fmod(x, Real(2)); }
 
-// Error of the kernel's position along an axis of n texels, in texels. Bringing x into [0, 1] rounds numbers below 2 twice and below
-// 1 twice (2u + 2 u/2), the product with n and the difference with 1/2 numbers below n: n (3u + u + u).
+// Error of the kernel's position along an axis of n texels, in texels. Bringing x into [0, 1] rounds numbers below 2 twice
+// and below 1 twice (2u + 2 u/2), the product with n and the difference with 1/2 numbers below n: n (3u + u + u).
 Real position_error(Real n) { return 5 * u * n; }
 
 struct Pixels {
@@ -42,7 +42,8 @@ struct Pixels {
 };
 
 Real bilinear(const Pixels& p, TextureWrap wrap, Real x, Real y, int c) {
-  const Real px = near_zero(x, wrap) * static_cast<Real>(p.width) - 0.5L, py = near_zero(y, wrap) * static_cast<Real>(p.height) - 0.5L;
+  const Real px = near_zero(x, wrap) * static_cast<Real>(p.width) - 0.5L,
+             py = near_zero(y, wrap) * static_cast<Real>(p.height) - 0.5L;
   const auto i = static_cast<std::int64_t>(std::floor(px)), j = static_cast<std::int64_t>(std::floor(py));
   const Real a = px - std::floor(px), b = py - std::floor(py);
   return (1 - b) * ((1 - a) * p.at(i, j, c, wrap) + a * p.at(i + 1, j, c, wrap)) +
@@ -51,8 +52,9 @@ Real bilinear(const Pixels& p, TextureWrap wrap, Real x, Real y, int c) {
 
 std::vector<float> coordinates() {
   std::vector<float> list;
-  for (const double x : {0.0, 1e-10, 1e-40, 0.5, 0.25, 1.0 / 3, 1 - 0x1p-24, 1.0, 1 + 0x1p-23, 1.5, 2.0, 2 - 0x1p-23, 3.0, 4095.5, 0x1p23 - 0.5,
-                         0x1p23 + 1, 0x1p24 - 1, 0x1p24, 1e8, 3e9, 1e20, 3.4e38})
+  for (const double x :
+       {0.0,         1e-10, 1e-40,  0.5,          0.25,       1.0 / 3,    1 - 0x1p-24, 1.0, 1 + 0x1p-23, 1.5,  2.0,
+        2 - 0x1p-23, 3.0,   4095.5, 0x1p23 - 0.5, 0x1p23 + 1, 0x1p24 - 1, 0x1p24,      1e8, 3e9,         1e20, 3.4e38})
     list.insert(list.end(), {static_cast<float>(x), static_cast<float>(-x)});
   Random random(1);
   for (std::size_t i = 0; i < count_or_small(20000, 40); ++i)
@@ -88,8 +90,8 @@ struct Values {
   std::vector<cl_float2> gradient;
 };
 
-Values evaluate(const std::vector<Texture>& textures, const std::vector<std::byte>& texels, const std::vector<cl_uint>& which,
-                const std::vector<cl_float2>& uv) {
+Values evaluate(const std::vector<Texture>& textures, const std::vector<std::byte>& texels,
+                const std::vector<cl_uint>& which, const std::vector<cl_float2>& uv) {
   Values v{std::vector<cl_float4>(uv.size()), std::vector<cl_float2>(uv.size())};
   run(file, "evaluate", uv.size(), textures, texels, srgb_table(), which, uv, out(v.value), out(v.gradient));
   return v;
@@ -98,11 +100,14 @@ Values evaluate(const std::vector<Texture>& textures, const std::vector<std::byt
 // The texels of one row in the given format, each read by its centre.
 std::vector<cl_float4> texels_read_back(Texture texture, const std::vector<std::byte>& texels) {
   std::vector<cl_float2> uv;
-  for (uint i = 0; i < texture.width; ++i) uv.push_back({{(static_cast<float>(i) + 0.5f) / static_cast<float>(texture.width), 0.5f}});
+  for (uint i = 0; i < texture.width; ++i)
+    uv.push_back({{(static_cast<float>(i) + 0.5f) / static_cast<float>(texture.width), 0.5f}});
   return evaluate({texture}, texels, std::vector<cl_uint>(uv.size(), 0), uv).value;
 }
 
-Real srgb_decoded_exactly(Real encoded) { return encoded <= 0.04045L ? encoded / 12.92L : std::pow((encoded + 0.055L) / 1.055L, 2.4L); }
+Real srgb_decoded_exactly(Real encoded) {
+  return encoded <= 0.04045L ? encoded / 12.92L : std::pow((encoded + 0.055L) / 1.055L, 2.4L);
+}
 
 }  // namespace
 
@@ -136,7 +141,8 @@ TEST(texture_test, nearest_takes_the_texel_that_holds_the_point) {
         const Real position = near_zero(list[i], wrap) * n, error = position_error(n);
         const auto low = wrapped(static_cast<std::int64_t>(std::floor(position - error)), n, wrap),
                    high = wrapped(static_cast<std::int64_t>(std::floor(position + error)), n, wrap);
-        ASSERT_TRUE(first[i] == low || first[i] == high) << list[i] << " of " << n << " wrap " << wrap << ": " << first[i] << ", not " << low;
+        ASSERT_TRUE(first[i] == low || first[i] == high)
+            << list[i] << " of " << n << " wrap " << wrap << ": " << first[i] << ", not " << low;
       }
     }
 }
@@ -175,7 +181,9 @@ TEST(texture_test, bilinear_lookup_and_its_gradient_agree_with_long_double) {
     const auto wrap = static_cast<TextureWrap>(t.wrap);
     const Real a = uv[i].s[0], b = uv[i].s[1];
     const auto lookup = [&](const packed_float3& row, Real s, Real r) { return row.x * s + row.y * r + row.z; };
-    const auto magnitude = [&](const packed_float3& row) { return std::abs(row.x * a) + std::abs(row.y * b) + std::abs(row.z); };
+    const auto magnitude = [&](const packed_float3& row) {
+      return std::abs(row.x * a) + std::abs(row.y * b) + std::abs(row.z);
+    };
     // The dot product rounds 5 times.
     const Real ex = position_error(t.width) + 5 * u * magnitude(t.to_u) * t.width;
     const Real ey = position_error(t.height) + 5 * u * magnitude(t.to_v) * t.height;
@@ -191,20 +199,26 @@ TEST(texture_test, bilinear_lookup_and_its_gradient_agree_with_long_double) {
     }
     ASSERT_NEAR(result.value[i].s[3], number, tolerance + 12 * u) << i;
     // Within a cell the texture is a product of two linear functions: central differences are exact but for rounding.
-    const auto within = [](Real position, Real reach) { return position - 0.5L - std::floor(position - 0.5L) > reach && std::ceil(position - 0.5L) - (position - 0.5L) > reach; };
+    const auto within = [](Real position, Real reach) {
+      return position - 0.5L - std::floor(position - 0.5L) > reach && std::ceil(position - 0.5L) - (position - 0.5L) > reach;
+    };
     const Real h = 1e-4L;
-    const Real rx = h * (std::abs(t.to_u.x) + std::abs(t.to_u.y)) * t.width + ex, ry = h * (std::abs(t.to_v.x) + std::abs(t.to_v.y)) * t.height + ey;
+    const Real rx = h * (std::abs(t.to_u.x) + std::abs(t.to_u.y)) * t.width + ex,
+               ry = h * (std::abs(t.to_v.x) + std::abs(t.to_v.y)) * t.height + ey;
     const auto edge = [&](Real v) { return wrap != WRAP_REPEAT && std::abs(v - std::round(v)) < h * 4 + 1e-4L; };
     if (!within(x * t.width, rx) || !within(y * t.height, ry) || edge(x) || edge(y)) continue;
     const auto luminance = [&](Real s, Real r) {
       Real sum = 0;
       const Real share[] = {0.2126L, 0.7152L, 0.0722L};
-      for (int c = 0; c < 3; ++c) sum += share[c] * bilinear(p, wrap, lookup(t.to_u, s, r), lookup(t.to_v, s, r), p.channels == 1 ? 0 : c);
+      for (int c = 0; c < 3; ++c)
+        sum += share[c] * bilinear(p, wrap, lookup(t.to_u, s, r), lookup(t.to_v, s, r), p.channels == 1 ? 0 : c);
       return sum;
     };
-    const Real du = (luminance(a + h, b) - luminance(a - h, b)) / (2 * h), dv = (luminance(a, b + h) - luminance(a, b - h)) / (2 * h);
-    // A slope along x is width times a difference of two values, itself mixed by the weight along y: its errors are those of the
-    // luminances (8 roundings of 2) and of the weight times a change of slope of at most 4; all times the row's entries, at most 2.
+    const Real du = (luminance(a + h, b) - luminance(a - h, b)) / (2 * h),
+               dv = (luminance(a, b + h) - luminance(a, b - h)) / (2 * h);
+    // A slope along x is width times a difference of two values, itself mixed by the weight along y: its errors are those of
+    // the luminances (8 roundings of 2) and of the weight times a change of slope of at most 4; all times the row's entries,
+    // at most 2.
     const Real slope = 2 * (t.width * (4 * ey + 16 * u * 2) + t.height * (4 * ex + 16 * u * 2));
     ASSERT_NEAR(result.gradient[i].s[0], du, slope) << i << " wrap " << wrap;
     ASSERT_NEAR(result.gradient[i].s[1], dv, slope) << i << " wrap " << wrap;
@@ -256,7 +270,8 @@ TEST(texture_test, bitmaps_are_looked_up_as_in_mitsuba) {
   for (const bool nearest : {false, true})
     for (const TextureWrap wrap : wraps) {
       const Values v = evaluate({float_texture(3, 1, 1, wrap, nearest)}, texels, std::vector<cl_uint>(uv.size(), 0), uv);
-      for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(v.value[i].s[0], expected[nearest][wrap][i], 1e-6) << at[i] << " wrap " << wrap;
+      for (std::size_t i = 0; i < at.size(); ++i)
+        EXPECT_NEAR(v.value[i].s[0], expected[nearest][wrap][i], 1e-6) << at[i] << " wrap " << wrap;
     }
 }
 
@@ -278,11 +293,12 @@ TEST(texture_test, integers_are_shares_of_the_largest) {
   t.width = static_cast<uint>(words.size());
   t.offset = append(texels, words);
   const auto sixteen = texels_read_back(t, texels);
-  for (std::size_t i = 0; i < words.size(); ++i) ASSERT_NEAR(sixteen[i].s[0], words[i] / 65535.0L, 5 * u * words[i] / 65535) << i;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    ASSERT_NEAR(sixteen[i].s[0], words[i] / 65535.0L, 5 * u * words[i] / 65535) << i;
 }
 
-// The table is rounded from double. Of 16 bits the kernel raises x to 2.4 with 16 ulp = 32 u, after two quotients of 5 u, a sum and
-// two constants of u each, all of which count 2.4 times: 32 + 2.4 * 13 < 64 u.
+// The table is rounded from double. Of 16 bits the kernel raises x to 2.4 with 16 ulp = 32 u, after two quotients of 5 u, a
+// sum and two constants of u each, all of which count 2.4 times: 32 + 2.4 * 13 < 64 u.
 TEST(texture_test, srgb_is_decoded_to_64_u) {
   const std::vector<float> table = srgb_table();
   ASSERT_EQ(table.size(), 256u);
@@ -336,7 +352,8 @@ TEST(texture_test, half_and_float_texels_are_exact) {
   for (std::size_t i = 0; i < floats.size(); ++i) EXPECT_EQ(back[i / 3].s[i % 3], floats[i]);
 }
 
-// Measured in Mitsuba 3.9.1: color0 where both coordinates lie in the same half of the unit square; 0.5 belongs to the lower one.
+// Measured in Mitsuba 3.9.1: color0 where both coordinates lie in the same half of the unit square; 0.5 belongs to the lower
+// one.
 TEST(texture_test, checkerboard_has_its_first_colour_where_the_halves_agree) {
   Texture t{};
   t.kind = TEXTURE_CHECKERBOARD;
@@ -346,15 +363,16 @@ TEST(texture_test, checkerboard_has_its_first_colour_where_the_halves_agree) {
   t.to_u = {1, 0, 0};
   t.to_v = {0, 1, 0};
   const std::vector<std::pair<cl_float2, bool>> rows = {
-      {{{0.25f, 0.25f}}, true}, {{{0.75f, 0.25f}}, false}, {{{0.5f, 0.25f}}, true},   {{{0.5f, 0.5f}}, true}, {{{0.75f, 0.75f}}, true},
-      {{{0.25f, 0.75f}}, false}, {{{0, 0}}, true},         {{{1, 1}}, true},          {{{-0.25f, 0.25f}}, false}, {{{-0.25f, -7.25f}}, true},
-      {{{1e10f, 0.75f}}, false}};
+      {{{0.25f, 0.25f}}, true},   {{{0.75f, 0.25f}}, false},  {{{0.5f, 0.25f}}, true},  {{{0.5f, 0.5f}}, true},
+      {{{0.75f, 0.75f}}, true},   {{{0.25f, 0.75f}}, false},  {{{0, 0}}, true},         {{{1, 1}}, true},
+      {{{-0.25f, 0.25f}}, false}, {{{-0.25f, -7.25f}}, true}, {{{1e10f, 0.75f}}, false}};
   std::vector<cl_float2> uv;
   for (const auto& row : rows) uv.push_back(row.first);
   const Values v = evaluate({t}, {}, std::vector<cl_uint>(uv.size(), 0), uv);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const packed_float3& c = rows[i].second ? t.color0 : t.color1;
-    EXPECT_TRUE(v.value[i].s[0] == c.x && v.value[i].s[1] == c.y && v.value[i].s[2] == c.z) << uv[i].s[0] << " " << uv[i].s[1];
+    EXPECT_TRUE(v.value[i].s[0] == c.x && v.value[i].s[1] == c.y && v.value[i].s[2] == c.z)
+        << uv[i].s[0] << " " << uv[i].s[1];
     EXPECT_NEAR(v.value[i].s[3], 0.2126L * c.x + 0.7152L * c.y + 0.0722L * c.z, 4 * u);
     EXPECT_TRUE(v.gradient[i].s[0] == 0.0f && v.gradient[i].s[1] == 0.0f);
   }
@@ -363,12 +381,14 @@ TEST(texture_test, checkerboard_has_its_first_colour_where_the_halves_agree) {
   EXPECT_EQ(evaluate({t}, {}, {0}, {{{0.0625f, 0.25f}}}).value[0].s[0], t.color1.x);
 }
 
-// b0 = 1 - b1 - b2 rounds twice, then three products and two sums: 5 roundings of the terms, 2 of 1 for b0, of values up to 3.
+// b0 = 1 - b1 - b2 rounds twice, then three products and two sums: 5 roundings of the terms, 2 of 1 for b0, of values up
+// to 3.
 TEST(texture_test, attributes_are_interpolated_between_vertices_and_constant_on_faces) {
   Random random(3);
   const cl_uint first_triangle = 5, triangles = 40, vertices = 30;
   std::vector<packed_uint3> corners(first_triangle, packed_uint3{9999, 9999, 9999});
-  for (cl_uint i = 0; i < triangles; ++i) corners.push_back({random.below(vertices), random.below(vertices), random.below(vertices)});
+  for (cl_uint i = 0; i < triangles; ++i)
+    corners.push_back({random.below(vertices), random.below(vertices), random.below(vertices)});
   std::vector<std::byte> texels;
   std::vector<Texture> textures;
   std::vector<std::vector<float>> values;

@@ -61,7 +61,7 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
     for (std::vector<PathState> states(items);;) {
       stages.run("closest_hits", items, paths, hits);
       stages.run("shade", items, paths, hits, shadows, base, sample);
-      stages.run("shadow_rays", items, paths, shadows);
+      stages.run("shadow_rays", items, paths, shadows, base, sample);
       device().queue.enqueueReadBuffer(paths, CL_TRUE, 0, items * sizeof(PathState), states.data());
       if (std::none_of(states.begin(), states.end(), [](const PathState& p) { return p.alive; })) break;
     }

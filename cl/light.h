@@ -152,7 +152,8 @@ INLINE LightSample light_sample_triangle(const Scene *scene, const Light *light,
   if (HAS(TEXTURED_LIGHTS) && light->texture != 0u) {
     LightPart part = light_part(light->part, light->split);
     Shape shape = scene->shapes[scene->triangle_shape[light->primitive]];
-    TexturePoint at = texture_point_on_triangle(scene, &shape, light->primitive, part.b1 + part.size * b.x, part.b2 + part.size * b.y);
+    TexturePoint p = texture_point_on_triangle(scene, &shape, light->primitive, part.b1 + part.size * b.x, part.b2 + part.size * b.y);
+    TexturePoint at = {p.uv, p.b1, p.b2, p.primitive, p.face};  // a copy: oclgrind does not know what clang makes of a result passed on
     radiance = light_radiance(scene, light, &at);
   }
   return light_from_area(light, radiance, light->area, from, point, error, triangle_normal(e1, e2));

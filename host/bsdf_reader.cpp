@@ -22,7 +22,8 @@ packed_float3 colour(Element& element, const std::string& name, double missing) 
   return packed(reflectance_property(element, name, missing));
 }
 
-double number_between(Element& element, const std::string& name, double missing, double least, double greatest, const char* range) {
+double number_between(Element& element, const std::string& name, double missing, double least, double greatest,
+                      const char* range) {
   const double value = number_property(element, name, missing);
   if (!(value >= least && value <= greatest))
     refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " lies outside " + range);

@@ -37,7 +37,8 @@ INLINE float3 oren_nayar_fast_factor(const Material *material, float3 wo, float3
   return unpack3(material->reflectance) * fma(b, t, a);
 }
 
-// pi f of the full model (eqs. 27 to 29): single scattering L1 and twofold interreflection L2.
+// pi f of the full model (eqs. 27 to 29): single scattering L1 and twofold interreflection L2. From sigma 0.67 on
+// the fit dips below 0 for dark surfaces where both directions graze on opposite sides: there it is 0.
 INLINE float3 oren_nayar_factor(const Material *material, float3 wo, float3 wi) {
   float sigma2 = material->roughness * material->roughness;
   OrenNayarAngles angles = oren_nayar_angles(wo, wi);
@@ -54,7 +55,7 @@ INLINE float3 oren_nayar_factor(const Material *material, float3 wo, float3 wi) 
   float single = c1 + angles.cos_azimuth * c2 * angles.tan_beta + (1.0f - fabs(angles.cos_azimuth)) * c3 * tan_half;
   float twofold = 0.17f * sigma2 / (sigma2 + 0.13f) * (1.0f - angles.cos_azimuth * beta2 * beta2);
   float3 albedo = unpack3(material->reflectance);
-  return albedo * single + albedo * albedo * twofold;
+  return fmax(albedo * single + albedo * albedo * twofold, 0.0f);
 }
 
 #endif

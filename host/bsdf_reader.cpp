@@ -30,7 +30,8 @@ void read_reflectance(const Source& source, const std::string& name, double miss
   if (texture == 0) constant = packed(reflectance_property(source.element(), name, missing));
 }
 
-double number_between(Element& element, const std::string& name, double missing, double least, double greatest, const char* range) {
+double number_between(Element& element, const std::string& name, double missing, double least, double greatest,
+                      const char* range) {
   const double value = number_property(element, name, missing);
   if (!(value >= least && value <= greatest))
     refuse(where_is(element, name), "\"" + name + "\" of " + describe(element) + " lies outside " + range);

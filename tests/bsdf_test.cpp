@@ -113,9 +113,11 @@ TEST(bsdf_test, every_model_scatters_with_its_own_weights) {
 TEST(bsdf_test, the_first_random_number_chooses_between_reflection_and_refraction) {
   const cl_float4 wo{{0.6f, 0, 0.8f, 0}};
   const Inputs inputs{{wo, wo}, {1, 1}, {{{0, 0.999f}}, {{0.999f, 0}}}};
-  const Scatters samples = sample_bsdf(models()[3].material, inputs);
-  EXPECT_GT(samples.direction_pdf[0].s[2], 0);
-  EXPECT_LT(samples.direction_pdf[1].s[2], 0);
+  for (const std::size_t model : {3u, 7u}) {
+    const Scatters samples = sample_bsdf(models()[model].material, inputs);
+    EXPECT_GT(samples.direction_pdf[0].s[2], 0) << models()[model].name;
+    EXPECT_LT(samples.direction_pdf[1].s[2], 0) << models()[model].name;
+  }
 }
 
 // So that a feature bit forgotten by the host is a black surface, and the compiler removes what is off.

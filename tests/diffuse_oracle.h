@@ -21,7 +21,7 @@ Angles angles_of(const Vector& wi, const Vector& wo) {
   return {polar(wi), polar(wo), std::atan2(Exact(wi.s[1]), Exact(wi.s[0])) - std::atan2(Exact(wo.s[1]), Exact(wo.s[0]))};
 }
 
-// Oren and Nayar 1994, eqs. 27 to 29, one channel.
+// Oren and Nayar 1994, eqs. 27 to 29, one channel; 0 where the fit is negative.
 inline Exact exact_oren_nayar(const Angles& a, Exact sigma, Exact rho) {
   const Exact alpha = std::max(a.in, a.out), beta = std::min(a.in, a.out), azimuth = std::cos(a.azimuth), s2 = sigma * sigma;
   const Exact c1 = 1 - 0.5L * s2 / (s2 + 0.33L);
@@ -29,7 +29,7 @@ inline Exact exact_oren_nayar(const Angles& a, Exact sigma, Exact rho) {
   const Exact c3 = 0.125L * s2 / (s2 + 0.09L) * std::pow(4 * alpha * beta / (exact_pi * exact_pi), 2);
   const Exact single = c1 + azimuth * c2 * std::tan(beta) + (1 - std::abs(azimuth)) * c3 * std::tan((alpha + beta) / 2);
   const Exact twofold = 0.17L * s2 / (s2 + 0.13L) * (1 - azimuth * std::pow(2 * beta / exact_pi, 2));
-  return rho * single + rho * rho * twofold;
+  return std::max(rho * single + rho * rho * twofold, Exact(0));
 }
 
 // Oren and Nayar 1994, eq. 30, for a reflectance of 1.

@@ -155,6 +155,11 @@ TEST(oren_nayar_test, without_roughness_both_are_lambert_exactly) {
   for (const cl_float4& value : evaluate("fast", white(MATERIAL_OREN_NAYAR_FAST, 0, 0.5f), list)) ASSERT_EQ(value.s[3], 0.5f);
 }
 
+// The paper's fit is, at opposite grazing directions.
+TEST(oren_nayar_test, no_direction_is_negative) {
+  for (const cl_float4& value : evaluate("full", white(MATERIAL_OREN_NAYAR, 1.5, 0.1f), pairs())) ASSERT_GE(value.s[3], 0.0f);
+}
+
 // Every step is symmetrical.
 TEST(oren_nayar_test, both_are_reciprocal_bit_for_bit) {
   const Pairs list = pairs(), swapped{list.wi, list.wo};

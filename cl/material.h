@@ -5,7 +5,7 @@
 #include "rng.h"
 #include "texture.h"
 
-#define ROUGHNESS_MAX 1.57079633f  // sigma of Oren-Nayar is an angle below a right one
+#define SIGMA_MAX 1.57079633f  // of Oren-Nayar: an angle below a right one
 
 // Walks a blend down to one of its materials: the second with the probability of the weight. In the mean over `bits` that is the
 // blend; both light sampling and scattering see the chosen one, so that its density is its own.
@@ -35,8 +35,10 @@ INLINE Material material_at(const Scene *scene, uint index, const TexturePoint *
     m.reflectance = pack3(fmin(fmax(texture_eval(scene, m.reflectance_texture, at), 0.0f), 1.0f));
   if (m.transmittance_texture != 0u)
     m.transmittance = pack3(fmin(fmax(texture_eval(scene, m.transmittance_texture, at), 0.0f), 1.0f));
-  if (m.roughness_texture != 0u)
-    m.roughness = fmin(fmax(m.roughness * texture_number(scene, m.roughness_texture, at), 0.0f), ROUGHNESS_MAX);
+  if (m.roughness_texture != 0u) {
+    float most = m.kind == MATERIAL_DISNEY ? 1.0f : SIGMA_MAX;
+    m.roughness = fmin(fmax(m.roughness * texture_number(scene, m.roughness_texture, at), 0.0f), most);
+  }
   return m;
 }
 

@@ -67,7 +67,7 @@ struct Plane {
 WorldShape& add_plane(World& world, const Plane& p, const Material& material) {
   WorldShape& shape = add_shape(world, material, Sides::both);
   add_quad(shape.mesh, p.origin, p.x, p.y);
-  for (const glm::dvec2 st : {glm::dvec2(0, 0), {1, 0}, {1, 1}, {0, 1}}) shape.mesh.uvs.push_back(p.uv_origin + p.uv_of * st);
+  for (const glm::dvec2& st : {glm::dvec2(0, 0), {1, 0}, {1, 1}, {0, 1}}) shape.mesh.uvs.push_back(p.uv_origin + p.uv_of * st);
   return shape;
 }
 

@@ -158,8 +158,8 @@ TEST(traverse_test, the_target_does_not_shadow_itself_and_everything_else_does) 
   const Bvh bvh = build_bvh(scene, 8);
   // From the first layer to the second, and to the third.
   EXPECT_EQ(trace_any(scene, bvh, {up(0.13f, 0, 2), up(0.13f, 0, 4), up(0.13f, 0, NONE), up(0.19f, 0, 4)}), (std::vector<cl_uint>{0, 1, 1, 1}));
-  // Closest-hit rays ignore it.
-  EXPECT_EQ(trace_closest(scene, bvh, {up(1.0f, NONE, 0)})[0].primitive, 0u);
+  // Nor does it stop a shadow ray that looks for what it passes through.
+  EXPECT_EQ(trace_closest(scene, bvh, {up(1.0f, NONE, 0)})[0].primitive, 2u);
 }
 
 // types.h: 0 < t <= t_max (closest), 0 < t < t_max (any).

@@ -5,7 +5,7 @@
 #include "rng.h"
 #include "texture.h"
 
-#define SIGMA_MAX 1.57079633f  // of Oren-Nayar: an angle below a right one
+#define SIGMA_MAX 1.41421356f  // of Oren-Nayar: what alpha = 2 of a scene file says
 
 // Walks a blend down to one of its materials: the second with the probability of the weight. In the mean over `bits` that is the
 // blend; both light sampling and scattering see the chosen one, so that its density is its own.

@@ -27,10 +27,12 @@ double area_of(const Light& triangle) {
   return 0.5 * glm::length(glm::cross(unpack(triangle.edge1), unpack(triangle.edge2)));
 }
 
-// Solid angle that counts for a spot light: the integral of its falloff, see cl/light.h.
+// Solid angle that counts for a spot light: the integral of its falloff, see cl/light.h. That is 1 - (sin cutoff - sin beam)/
+// (cutoff - beam) times 2 pi; with the middle m and the half width h of the ramp, 1 - cos m sin(h)/h, written without cancellation.
 double spot_solid_angle(double cutoff, double beam) {
-  if (!(cutoff > beam)) return 2.0 * PI * (1.0 - std::cos(beam));
-  return 2.0 * PI * (1.0 - (std::sin(cutoff) - std::sin(beam)) / (cutoff - beam));
+  const double m = 0.5 * (cutoff + beam), h = 0.5 * (cutoff - beam), s = std::sin(0.5 * m);
+  const double rest = h < 0.1 ? h * h / 6.0 * (1.0 - h * h / 20.0 * (1.0 - h * h / 42.0)) : 1.0 - std::sin(h) / h;  // 1 - sin(h)/h
+  return 2.0 * PI * (2.0 * s * s + std::cos(m) * rest);
 }
 
 }  // namespace

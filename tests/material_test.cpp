@@ -169,10 +169,10 @@ TEST(material_test, reflectances_of_textures_lie_in_0_and_1_and_take_the_place_o
   }
 }
 
-// The constant is its factor: of a right angle at most for Oren and Nayar, of 1 for Disney.
+// The constant is its factor: at most sqrt(2), alpha = 2, for Oren and Nayar, 1 for Disney.
 TEST(material_test, roughness_of_a_texture_is_scaled_and_stays_in_the_range_of_its_model) {
-  const float nan = std::numeric_limits<float>::quiet_NaN(), factor = 0.70710678f, right_angle = 1.57079633f;
-  for (const auto& [kind, most] : {std::pair{MATERIAL_OREN_NAYAR, right_angle}, {MATERIAL_OREN_NAYAR_FAST, right_angle}, {MATERIAL_DISNEY, 1.0f}})
+  const float nan = std::numeric_limits<float>::quiet_NaN(), factor = 0.70710678f, sigma_of_2 = 1.41421356f;
+  for (const auto& [kind, most] : {std::pair{MATERIAL_OREN_NAYAR, sigma_of_2}, {MATERIAL_OREN_NAYAR_FAST, sigma_of_2}, {MATERIAL_DISNEY, 1.0f}})
     for (const auto& [said, meant] : {std::pair{0.5f, 0.5f * factor}, {0.0f, 0.0f}, {-1.0f, 0.0f}, {100.0f, most}, {nan, 0.0f}}) {
       World world;
       world.materials = {diffuse(0.5)};

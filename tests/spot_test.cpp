@@ -93,7 +93,7 @@ TEST(spot_test, a_spot_sends_what_it_sends_in_mitsuba) {
 }
 
 TEST(spot_test, a_spot_is_chosen_by_the_flux_of_its_cone) {
-  for (const auto& [cutoff, beam] : {std::pair(20.0, 15.0), {90.0, 0.0}, {180.0, 135.0}, {30.0, 30.0}}) {
+  for (const auto& [cutoff, beam] : {std::pair(20.0, 15.0), {90.0, 0.0}, {180.0, 135.0}, {30.0, 30.0}, {5.0, 4.999999999999999}, {45.0, 44.99999}}) {
     World world = spot_world(cutoff, beam, {0, 1, 0});
     world.lights.push_back({LIGHT_POINT, glm::dvec3(4.0, 2.0, 1.0), {0.1, 0, 0}});
     double solid_angle = 0;

@@ -129,7 +129,9 @@ Exit render(const RenderOptions& options) {
   const std::string moment_name = world.integrator.moment_name;
   const std::uint64_t samples_per_pixel = world.samples_per_pixel;
   Scene scene = place_scene(std::move(world));
-  scene.approximations = options.approximations;
+  // What the scene has no use for is neither compiled nor recorded.
+  constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
+  if (scene.features & with_fresnel) scene.approximations = options.approximations;
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);

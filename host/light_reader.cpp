@@ -92,6 +92,13 @@ void read_area_light(Document& document, std::uint32_t index, KnownTextures& tex
   if (shape.radiance_texture == 0) return;
   const WorldTexture& texture = world.textures[shape.radiance_texture - 1];
   if (texture.image) require_radiances(texture.where, *texture.image, texture.srgb, 1.0);
+  for (const MeshAttribute& attribute : shape.mesh.attributes) {
+    if (attribute.name != texture.attribute) continue;
+    for (std::size_t i = 0; i < attribute.values.size(); ++i)
+      if (!(attribute.values[i] >= 0.0f && attribute.values[i] <= static_cast<float>(GREATEST_RADIANCE)))
+        refuse(texture.where, "number " + std::to_string(i / attribute.channels) + " of the attribute \"" + attribute.name +
+                                  "\" is no radiance: it lies outside [0, 1e30]");
+  }
 }
 
 void read_light(Document& document, std::uint32_t index, KnownTextures& textures, World& world) {

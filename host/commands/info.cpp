@@ -1,7 +1,6 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
-#include <numeric>
 
 #include "../render.h"
 #include "report.h"
@@ -28,15 +27,6 @@ void print_features(Features features) {
   if (features & FEATURE_##name) row("feature") << #name << ": " << description << "\n";
   FEATURE_LIST(FEATURE_ROW)
 #undef FEATURE_ROW
-}
-
-// The kernel for these features, in the form in which the driver would store it: what a feature costs shows in its size.
-void print_kernel(const Device& device, const KernelOptions& kernel) {
-  const cl::Program program = build_program(device, kernel_directory() / "path.cl", kernel);
-  const std::vector<std::size_t> sizes = program.getInfo<CL_PROGRAM_BINARY_SIZES>();
-  row("kernel") << "render in path.cl: features 0x" << std::hex << kernel.features << std::dec << ", width " << kernel.bvh_width
-                << ", stack of " << kernel.stack_size << ", compiled " << format_bytes(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}))
-                << "\n";
 }
 
 void print_memory(const Scene& scene, const Bvh& bvh) {
@@ -68,7 +58,9 @@ Exit info(const InfoOptions& options) {
   row("BVH") << bvh.node_count << " nodes of width " << bvh.width << ", " << bvh.block_count << " leaf blocks, depth "
              << bvh.depth << "\n";
   print_features(scene.features);
-  print_kernel(device, kernel_options(scene, bvh));
+  const KernelOptions kernel = kernel_options(scene, bvh);
+  row("kernel") << "render in path.cl: features 0x" << std::hex << kernel.features << std::dec << ", width "
+                << kernel.bvh_width << ", stack of " << kernel.stack_size << "\n";
   row("device") << device.name << "\n";
   print_memory(scene, bvh);
   return Exit::success;

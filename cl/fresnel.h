@@ -38,7 +38,8 @@ INLINE float fresnel_schlick(float cosine, float r0) {
 
 // Schlick's approximation in place of the exact equations. Angles and total reflection stay exact.
 INLINE Fresnel fresnel_approximated(Fresnel exact, float cos_i, Interface i) {
-  if (!(exact.transmittance > 0.0f) || i.eta2_minus_one == 0.0f) return exact;
+  // Total reflection is told by cos_t: where nothing but the sign of the transmittance is used, LLVM 19 of PoCL 6.0 fails.
+  if (!(exact.cos_t > 0.0f) || i.eta2_minus_one == 0.0f) return exact;
   float root = i.eta2_minus_one / ((i.eta + 1.0f) * (i.eta + 1.0f));  // (eta - 1)/(eta + 1)
   exact.reflectance = fresnel_schlick(i.eta < 1.0f ? exact.cos_t : cos_i, root * root);
   exact.transmittance = 1.0f - exact.reflectance;

@@ -118,7 +118,7 @@ TEST(schlick_test, angles_and_total_reflection_stay_exact) {
   const Results results = run_rows(rows, APPROXIMATION_SCHLICK);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ASSERT_EQ(results.chosen[i].s[2], results.exact[i].s[2]);
-    if (results.exact[i].s[1] == 0 || rows[i].eta == 1) {
+    if (results.exact[i].s[2] == 0 || rows[i].eta == 1) {
       ASSERT_TRUE(results.chosen[i] == results.exact[i]);
     }
   }

@@ -202,9 +202,9 @@ INLINE void path_add_light(PathState *path, const ShadowRay *shadow, float visib
 INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong key) {
   if (!HAS(OPACITY)) return traverse_any(scene, &shadow->ray) ? 0.0f : 1.0f;
   Ray ray = shadow->ray;
+  ray.t_max = nextafter(ray.t_max, 0.0f);  // as in traverse_any: what lies strictly between the two ends
   float share = 1.0f;
   for (uint passes = 0; passes < HARD_DEPTH; ++passes) {
-    if (!traverse_any(scene, &ray)) return share;
     Hit hit = traverse_closest(scene, &ray);
     if (hit.primitive == NONE) return share;
     Surface surface = surface_from_hit(scene, &ray, hit);

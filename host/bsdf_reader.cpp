@@ -1,9 +1,12 @@
 #include "bsdf_reader.h"
 
+#include <set>
 #include <sstream>
 
 #include "bsdf_wrapper.h"
+#include "color.h"
 #include "conductors.h"
+#include "material.h"
 #include "property.h"
 #include "refractive_indices.h"
 
@@ -12,8 +15,6 @@ namespace oclair {
 namespace {
 
 constexpr double MAX_INDEX = 1e6;
-
-packed_float3 packed(glm::dvec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
 // An element and where what it names is found.
 struct Source {
@@ -27,7 +28,7 @@ struct Source {
 // A colour in [0, 1], or the texture that takes its place.
 void read_reflectance(const Source& source, const std::string& name, double missing, packed_float3& constant, uint& texture) {
   texture = texture_property(source.document, source.index, name, source.textures, source.world);
-  if (texture == 0) constant = packed(reflectance_property(source.element(), name, missing));
+  if (texture == 0) constant = pack(reflectance_property(source.element(), name, missing));
 }
 
 double number_between(Element& element, const std::string& name, double missing, double least, double greatest,
@@ -112,8 +113,8 @@ Material conductor(const Source& source) {
              "material=\"" + name + "\" of " + describe(element) + " is not known (known: " + list + ")");
     }
     material.kind = MATERIAL_CONDUCTOR;
-    material.conductor_eta = packed(preset->eta);
-    material.conductor_k = packed(preset->k);
+    material.conductor_eta = pack(preset->eta);
+    material.conductor_k = pack(preset->k);
     return material;
   }
   if (!has_indices) {
@@ -121,8 +122,8 @@ Material conductor(const Source& source) {
     return material;
   }
   material.kind = MATERIAL_CONDUCTOR;
-  material.conductor_eta = packed(index_property(element, "eta", 0.0));
-  material.conductor_k = packed(index_property(element, "k", 1.0));
+  material.conductor_eta = pack(index_property(element, "eta", 0.0));
+  material.conductor_k = pack(index_property(element, "k", 1.0));
   return material;
 }
 
@@ -161,8 +162,20 @@ Material dielectric(const Source& source, MaterialKind kind) {
   return material;
 }
 
-bool lets_light_through(const Material& material) {
-  return material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN_DIELECTRIC;
+const std::map<std::string, Material (*)(const Source&)> READERS = {
+    {"conductor", conductor},
+    {"dielectric", [](const Source& source) { return dielectric(source, MATERIAL_DIELECTRIC); }},
+    {"diffuse", diffuse},
+    {"principled", principled},
+    {"roughdiffuse", rough_diffuse},
+    {"thindielectric", [](const Source& source) { return dielectric(source, MATERIAL_THIN_DIELECTRIC); }}};
+
+std::string supported() {
+  std::set<std::string> types = wrapper_types();
+  for (const auto& reader : READERS) types.insert(reader.first);
+  std::string list;
+  for (const auto& type : types) list += (list.empty() ? "" : ", ") + type;
+  return list;
 }
 
 }  // namespace
@@ -175,23 +188,9 @@ SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& 
     result = read_wrapper(document, index, known, world);
   } else {
     const Source source{document, index, known.textures, world};
-    Material material;
-    if (element.type == "diffuse")
-      material = diffuse(source);
-    else if (element.type == "conductor")
-      material = conductor(source);
-    else if (element.type == "dielectric")
-      material = dielectric(source, MATERIAL_DIELECTRIC);
-    else if (element.type == "thindielectric")
-      material = dielectric(source, MATERIAL_THIN_DIELECTRIC);
-    else if (element.type == "roughdiffuse")
-      material = rough_diffuse(source);
-    else if (element.type == "principled")
-      material = principled(source);
-    else
-      refuse(element.where, describe(element) +
-                                " is not supported (supported: blendbsdf, bumpmap, conductor, dielectric, diffuse, mask, "
-                                "normalmap, principled, roughdiffuse, thindielectric, twosided)");
+    const auto reader = READERS.find(element.type);
+    if (reader == READERS.end()) refuse(element.where, describe(element) + " is not supported (supported: " + supported() + ")");
+    const Material material = reader->second(source);
     refuse_unasked_children(document, element);
     result.front = static_cast<uint>(world.materials.size());
     if (lets_light_through(material)) result.back = result.front;
@@ -204,7 +203,7 @@ SurfaceMaterials read_bsdf(Document& document, std::uint32_t index, KnownBsdfs& 
 SurfaceMaterials add_diffuse(World& world, double reflectance) {
   Material material{};
   material.kind = MATERIAL_DIFFUSE;
-  material.reflectance = packed(glm::dvec3(reflectance));
+  material.reflectance = pack(glm::dvec3(reflectance));
   world.materials.push_back(material);
   return {static_cast<uint>(world.materials.size() - 1), NONE};
 }

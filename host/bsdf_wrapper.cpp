@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <functional>
-#include <set>
 
+#include "material.h"
 #include "property.h"
 
 namespace oclair {
@@ -11,23 +11,6 @@ namespace oclair {
 namespace {
 
 constexpr double MAX_BUMP_SCALE = 1e30;  // what float32 holds with room for the arithmetic on it
-
-bool has_opacity(const Material& m) { return m.transparency > 0.0f || m.opacity_texture != 0; }
-
-// Whether it holds for a material that a path can come upon; shared ones are asked once, so that blends of blends take no time.
-bool any_material(const World& world, uint index, const std::function<bool(const Material&)>& holds) {
-  std::vector<uint> left = {index};
-  std::set<uint> seen;
-  while (!left.empty()) {
-    const uint i = left.back();
-    left.pop_back();
-    if (i == NONE || !seen.insert(i).second) continue;
-    const Material& m = world.materials[i];
-    if (m.kind == MATERIAL_BLEND) left.insert(left.end(), {m.first, m.second});
-    else if (holds(m)) return true;
-  }
-  return false;
-}
 
 // A copy of the material, and of all that a blend comes down to, with a change made to each; NONE of NONE.
 class Copies {
@@ -91,9 +74,9 @@ SurfaceMaterials twosided(Document& document, std::uint32_t index, KnownBsdfs& k
                               " (supported: bsdf)");
     sides[i] = read_bsdf(document, child.element, known, world);
     const auto transmits = [](const Material& m) {
-      return m.kind == MATERIAL_DIELECTRIC || m.kind == MATERIAL_THIN_DIELECTRIC || has_opacity(m);
+      return lets_light_through(m) || has_opacity(m);
     };
-    if (any_material(world, sides[i].front, transmits))
+    if (any_material(world.materials, sides[i].front, transmits))
       refuse(child.where, describe(document.elements[child.element]) + " lets light through and cannot be nested in " +
                               describe(element));
   }
@@ -106,7 +89,7 @@ SurfaceMaterials mask(Document& document, std::uint32_t index, KnownBsdfs& known
   const uint texture = texture_property(document, index, "opacity", known.textures, world);
   const float transparency = texture != 0 ? 0.0f : static_cast<float>(1.0 - share_property(element, "opacity", 0.5));
   SurfaceMaterials nested = nested_bsdfs(document, index, 1, known, world)[0];
-  if (any_material(world, nested.front, has_opacity) || any_material(world, nested.back, has_opacity))
+  if (any_material(world.materials, nested.front, has_opacity) || any_material(world.materials, nested.back, has_opacity))
     refuse(element.where, describe(element) + " around another one is not supported");
   if (nested.back == NONE) nested.back = add_diffuse(world, 0.0).front;
   Copies copy(world, [&](Material& m) {
@@ -212,6 +195,12 @@ const std::map<std::string, Reader> READERS = {
 }  // namespace
 
 bool is_wrapper(const Element& element) { return READERS.contains(element.type); }
+
+std::set<std::string> wrapper_types() {
+  std::set<std::string> types;
+  for (const auto& reader : READERS) types.insert(reader.first);
+  return types;
+}
 
 SurfaceMaterials read_wrapper(Document& document, std::uint32_t index, KnownBsdfs& known, World& world) {
   return READERS.at(document.elements[index].type)(document, index, known, world);

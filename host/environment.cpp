@@ -4,13 +4,12 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "color.h"
 #include "distribution.h"
 #include "texture.h"
 
 namespace oclair {
 namespace {
-
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }  // Rec. ITU-R BT.709
 
 // Integrals over row y of cells, per cell, of the weights of its upper and of its lower texels in the linear interpolation:
 // of (1 - s) and of s times the solid angle, where s runs from 0 to 1 down the cell.

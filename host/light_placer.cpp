@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "color.h"
 #include "distribution.h"
 #include "environment.h"
 #include "light_texture.h"
@@ -12,16 +13,6 @@ namespace oclair {
 namespace {
 
 constexpr double PI = glm::pi<double>();
-
-packed_float3 pack(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-glm::dvec3 unpack(const packed_float3& v) { return {v.x, v.y, v.z}; }
-
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }  // Rec. ITU-R BT.709
-
-double largest(const glm::dvec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 double area_of(const Light& triangle) {
   return 0.5 * glm::length(glm::cross(unpack(triangle.edge1), unpack(triangle.edge2)));

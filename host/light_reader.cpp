@@ -11,8 +11,7 @@ namespace oclair {
 
 namespace {
 
-constexpr double LEAST_RADIANCE = 1e-30, GREATEST_RADIANCE = 1e30;  // what float32 holds with room for the arithmetic on it
-constexpr double DISTORTION = 1e-3;                                 // of a matrix that is taken for a rotation
+constexpr double DISTORTION = 1e-3;  // of a matrix that is taken for a rotation
 
 void refuse_both(const Element& element, const std::string& one, const std::string& other) {
   if (has_property(element, one) && has_property(element, other))
@@ -25,7 +24,7 @@ void require_radiances(const std::string& where, const Image& image, bool srgb, 
   const Texels texels = texels_of(image, srgb);
   for (std::size_t i = 0; i < std::size_t{image.width} * image.height; ++i) {
     const glm::dvec3 value = factor * texels.at(i);
-    if (std::min({value.x, value.y, value.z}) >= 0.0 && std::max({value.x, value.y, value.z}) <= GREATEST_RADIANCE) continue;
+    if (std::min({value.x, value.y, value.z}) >= 0.0 && std::max({value.x, value.y, value.z}) <= GREATEST_EMISSION) continue;
     refuse(where, "texel (" + std::to_string(i % image.width) + ", " + std::to_string(i / image.width) +
                       ") of the image is no radiance: it lies outside [0, 1e30]");
   }
@@ -70,7 +69,7 @@ void read_environment_map(Document& document, std::uint32_t index, KnownTextures
   auto& element = document.elements[index];
   boolean_property(element, "mis_compensation", false);  // how Mitsuba samples it
   const double scale = number_property(element, "scale", 1.0);
-  if (!(scale == 0.0 || (scale >= LEAST_RADIANCE && scale <= GREATEST_RADIANCE)))
+  if (!(scale == 0.0 || (scale >= LEAST_EMISSION && scale <= GREATEST_EMISSION)))
     refuse(where_is(element, "scale"), "\"scale\" of " + describe(element) + " is neither 0 nor within [1e-30, 1e30]");
   light.value = glm::dvec3(scale);
   require_radiances(where_is(element, "filename"), *light.image, light.image->srgb, scale);
@@ -95,7 +94,7 @@ void read_area_light(Document& document, std::uint32_t index, KnownTextures& tex
   for (const MeshAttribute& attribute : shape.mesh.attributes) {
     if (attribute.name != texture.attribute) continue;
     for (std::size_t i = 0; i < attribute.values.size(); ++i)
-      if (!(attribute.values[i] >= 0.0f && attribute.values[i] <= static_cast<float>(GREATEST_RADIANCE)))
+      if (!(attribute.values[i] >= 0.0f && attribute.values[i] <= static_cast<float>(GREATEST_EMISSION)))
         refuse(texture.where, "number " + std::to_string(i / attribute.channels) + " of the attribute \"" + attribute.name +
                                   "\" is no radiance: it lies outside [0, 1e30]");
   }

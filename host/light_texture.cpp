@@ -4,16 +4,13 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "color.h"
 #include "texture.h"
 
 namespace oclair {
 namespace {
 
 constexpr double MAX_SAMPLES = 1 << 24;  // of a texture over one shape
-
-double largest(const glm::dvec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
-
-glm::dvec3 unpack(const packed_float3& v) { return {v.x, v.y, v.z}; }
 
 // How fine a texture is along u and v of its lookup: texels, or eighths of a checkerboard's unit square.
 glm::dvec2 resolution(const Texture& texture) {
@@ -38,7 +35,7 @@ double texels_covered(const Scene& scene, const Shape& shape, const Texture& tex
 double brightest_of(const Scene& scene, const Texture& texture) {
   if (texture.kind == TEXTURE_CHECKERBOARD) return std::max(largest(unpack(texture.color0)), largest(unpack(texture.color1)));
   if (texture.kind != TEXTURE_BITMAP) return 0.0;
-  const Texels texels{std::span(scene.texels).subspan(texture.offset), texture.format, texture.channels, texture.srgb != 0};
+  const Texels texels = texels_of(scene, texture);
   double brightest = 0.0;
   for (std::size_t i = 0; i < std::size_t{texture.width} * texture.height; ++i) brightest = std::max(brightest, largest(texels.at(i)));
   return brightest;

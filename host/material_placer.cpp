@@ -1,17 +1,13 @@
 #include "material_placer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <set>
 
+#include "color.h"
 #include "error.h"
+#include "material.h"
 
 namespace oclair {
 namespace {
-
-packed_float3 pack(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 // The one list of what a material's textures are.
 constexpr uint Material::*TEXTURES[] = {&Material::reflectance_texture, &Material::transmittance_texture,
@@ -35,17 +31,9 @@ bool MaterialPlacer::is_attribute(uint reference) const {
 bool MaterialPlacer::texture_needs_uv(uint reference) const { return reference != 0 && !is_attribute(reference); }
 
 bool MaterialPlacer::any_texture(uint index, bool (MaterialPlacer::*holds)(uint) const) const {
-  std::vector<uint> left = {index};
-  std::set<uint> seen;
-  while (!left.empty()) {
-    const uint i = left.back();
-    left.pop_back();
-    if (i == NONE || !seen.insert(i).second) continue;
-    const Material& m = world_.materials[i];
-    if (std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return (this->*holds)(m.*texture); })) return true;
-    if (m.kind == MATERIAL_BLEND) left.insert(left.end(), {m.first, m.second});
-  }
-  return false;
+  return any_material(world_.materials, index, [&](const Material& m) {
+    return std::any_of(std::begin(TEXTURES), std::end(TEXTURES), [&](auto texture) { return (this->*holds)(m.*texture); });
+  });
 }
 
 bool MaterialPlacer::uses_attributes(uint index) const { return any_texture(index, &MaterialPlacer::is_attribute); }
@@ -150,10 +138,7 @@ uint MaterialPlacer::texture(uint reference) {
 
 std::vector<float> srgb_table() {
   std::vector<float> table(256);
-  for (int i = 0; i < 256; ++i) {
-    const double x = i / 255.0;
-    table[i] = static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-  }
+  for (int i = 0; i < 256; ++i) table[i] = static_cast<float>(srgb_decoded(i / 255.0));
   return table;
 }
 

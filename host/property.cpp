@@ -129,7 +129,7 @@ glm::dvec3 emission_property(Element& element, const std::string& name) {
   const auto value = triple(*property) * (property->tag == "spectrum" ? EQUAL_ENERGY : glm::dvec3(1.0));
   for (int i = 0; i < 3; ++i) {
     if (!(value[i] >= 0.0)) refuse(property->where, "\"" + name + "\" of " + describe(element) + " is negative");
-    if (value[i] > 0.0 && !(value[i] >= 1e-30 && value[i] <= 1e30))  // what float32 holds with room for the arithmetic on it
+    if (value[i] > 0.0 && !(value[i] >= LEAST_EMISSION && value[i] <= GREATEST_EMISSION))
       refuse(property->where, "\"" + name + "\" of " + describe(element) + " is neither 0 nor within [1e-30, 1e30]");
   }
   return value;

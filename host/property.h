@@ -34,6 +34,9 @@ std::optional<glm::dmat4> transform_property(Element& element, const std::string
 glm::dvec3 reflectance_property(Element& element, const std::string& name, double missing);
 // Real or imaginary part of a refractive index: each channel in [0, 1e6].
 glm::dvec3 index_property(Element& element, const std::string& name, double missing);
+// Bounds of an emission that is not 0: what float32 holds with room for the arithmetic on it.
+constexpr double LEAST_EMISSION = 1e-30, GREATEST_EMISSION = 1e30;
+
 // Emission, not negative. A constant <spectrum> is of equal energy, not white: Mitsuba turns 1 into EQUAL_ENERGY.
 glm::dvec3 emission_property(Element& element, const std::string& name);
 

@@ -6,21 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "color.h"
 #include "error.h"
 #include "filter.h"
 #include "light_placer.h"
+#include "material.h"
 #include "material_placer.h"
 
 namespace oclair {
 namespace {
-
-packed_float3 pack(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-glm::dvec3 unpack(const packed_float3& v) { return {v.x, v.y, v.z}; }
-
-double largest(const glm::dvec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 Features material_features(const Material& m) {
   Features features = 0;
@@ -35,7 +29,7 @@ Features material_features(const Material& m) {
     case MATERIAL_THIN_DIELECTRIC: features |= FEATURE_THIN_DIELECTRIC; break;
     default: features |= FEATURE_BLEND; break;
   }
-  if (m.transparency > 0.0f || m.opacity_texture != 0) features |= FEATURE_OPACITY;
+  if (has_opacity(m)) features |= FEATURE_OPACITY;
   if (m.normal_texture != 0) features |= FEATURE_NORMAL_MAPS;
   if (m.bump_texture != 0) features |= FEATURE_BUMP_MAPS;
   return features;

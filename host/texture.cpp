@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "color.h"
+
 namespace oclair {
 namespace {
 
@@ -17,9 +19,7 @@ T element(std::span<const std::byte> bytes, std::size_t i) {
   return value;
 }
 
-double decoded(double x, bool srgb) {  // IEC 61966-2-1
-  return !srgb ? x : x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
-}
+double decoded(double x, bool srgb) { return srgb ? srgb_decoded(x) : x; }
 
 double component(const Texels& texels, std::size_t i) {
   switch (texels.format) {
@@ -64,8 +64,6 @@ glm::dvec3 bitmap_value(const Texture& texture, const Texels& texels, glm::dvec2
                   glm::mix(texels.at(row1 + x.first), texels.at(row1 + x.second), x.weight), y.weight);
 }
 
-glm::dvec3 unpack(const packed_float3& v) { return {v.x, v.y, v.z}; }
-
 }  // namespace
 
 glm::dvec3 Texels::at(std::size_t i) const {
@@ -74,6 +72,10 @@ glm::dvec3 Texels::at(std::size_t i) const {
 }
 
 Texels texels_of(const Image& image, bool srgb) { return {image.texels, image.format, image.channels, srgb}; }
+
+Texels texels_of(const Scene& scene, const Texture& texture) {
+  return {std::span(scene.texels).subspan(texture.offset), texture.format, texture.channels, texture.srgb != 0};
+}
 
 TexturePoint point_on_triangle(const Scene& scene, const Shape& shape, uint primitive, double b1, double b2) {
   TexturePoint at{{b1, b2}, b1, b2, primitive, primitive - shape.first_triangle};
@@ -89,7 +91,7 @@ TexturePoint point_on_triangle(const Scene& scene, const Shape& shape, uint prim
 
 glm::dvec3 texture_value(const Scene& scene, uint reference, const TexturePoint& at) {
   const Texture& texture = scene.textures[reference - 1];
-  const Texels texels{std::span(scene.texels).subspan(texture.offset), texture.format, texture.channels, texture.srgb != 0};
+  const Texels texels = texels_of(scene, texture);
   const glm::dvec3 p(at.uv, 1.0);
   const glm::dvec2 uv(glm::dot(unpack(texture.to_u), p), glm::dot(unpack(texture.to_v), p));
   glm::dvec3 value(0.0);

@@ -18,6 +18,7 @@ struct Texels {
 };
 
 Texels texels_of(const Image& image, bool srgb);
+Texels texels_of(const Scene& scene, const Texture& texture);
 
 // Where on a surface a texture is asked: barycentric coordinates (b1, b2) of a triangle of the scene, or only uv.
 struct TexturePoint {

@@ -7,7 +7,7 @@ __kernel void intersect(uint count, __global const BvhNode *nodes, __global cons
   Ray ray = rays[i];
   Slabs slabs = slabs_from_ray(&ray);
   Lanes lanes;
-  mask[i] = node_intersect(nodes + i, &slabs, ray.t_max, &lanes);
+  mask[i] = node_intersect(nodes + i, &slabs, ray.t_min, ray.t_max, &lanes);
   for (uint lane = 0; lane < BVH_WIDTH; ++lane) near[i * BVH_WIDTH + lane] = lanes.lane[lane];
 }
 

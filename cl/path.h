@@ -38,12 +38,17 @@ INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) 
   path->radiance = pack3(unpack3(path->radiance) + unpack3(path->throughput) * emitted * weight);
 }
 
+INLINE bool path_hides_lights(const Scene *scene, const PathState *path) {
+  bool known = HAS(HIDDEN_EMITTERS);
+  return known && scene->settings->hide_emitters && path->depth == 0u;
+}
+
 INLINE void path_escape(const Scene *scene, PathState *path) {
   __global const Settings *settings = scene->settings;
   path->alive = 0;
   bool known = HAS_ENVIRONMENT;
   bool lit = known && settings->environment_probability > 0.0f;  // the kernel may know more than the scene has
-  if (!lit || (HAS(HIDDEN_EMITTERS) && settings->hide_emitters && path->depth == 0u)) return;
+  if (!lit || path_hides_lights(scene, path)) return;
   path->hit_anything |= path->depth == 0u;
   float3 radiance = unpack3(settings->environment);
   float pdf = warp_sphere_pdf();
@@ -171,7 +176,7 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   }
   Surface surface = surface_from_hit(scene, &path->ray, hit);
   Shape shape = scene->shapes[surface.shape];
-  if (HAS(HIDDEN_EMITTERS) && scene->settings->hide_emitters && path->depth == 0u && shape.first_light != NONE) {
+  if (shape.first_light != NONE && path_hides_lights(scene, path)) {
     path_pass_through(path, hit);
     return none;
   }

@@ -1,6 +1,7 @@
 // Closest-hit and any-hit traversal of the wide BVH.
 //   push the root; until the stack is empty: a leaf -> intersect its blocks; a node -> test its boxes, take the nearest child at
 //   once and push the others, farthest first, with their distances; a popped child beyond the nearest hit is dropped.
+//   Any hit: in whatever order, without distances.
 // Equal distances go to the smaller primitive id, so that the result does not depend on the tree.
 #ifndef OCLAIR_TRAVERSE_H
 #define OCLAIR_TRAVERSE_H
@@ -42,6 +43,14 @@ INLINE float traverse_start(const Ray *ray, uint primitive) {
   return primitive > ray->passed ? ray->t_min : nextafter(ray->t_min, INFINITE_DISTANCE);
 }
 
+// Asks for what a child on the stack holds, a node or the first block of a leaf: it is met some hundred cycles later. Of a quadric
+// that address means nothing, which does no harm.
+INLINE void traverse_prefetch(const Scene *scene, uint child) {
+  __global const char *at = child & LEAF_BIT ? (__global const char *)(scene->blocks + (child & LEAF_INDEX_MASK))
+                                             : (__global const char *)(scene->nodes + child);
+  for (uint line = 0; line < sizeof(TriangleBlock); line += 64u) PREFETCH(at + line);
+}
+
 // Both traversals: any_hit is a constant at each call. Closest: updates *hit, whose t is the ray's t_max and whose primitive is
 // NONE at first. Any: stops at the first hit. Where the ray starts and where it ends is no hit for either.
 INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit) {
@@ -61,6 +70,10 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
         mask &= mask - 1u;
         current = node->child[lane];
         if (!mask) continue;
+        if (any_hit) {
+          for (; mask; mask &= mask - 1u) stack_child[top++] = node->child[lowest_lane(mask)];
+          continue;
+        }
         float current_near = near.lane[lane];
         // Insertion sort of the rest on the stack; the nearest stays in `current`.
         int bottom = top;
@@ -85,6 +98,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
           }
           stack_near[i] = child_near;
           stack_child[i] = child;
+          traverse_prefetch(scene, child);
         }
         continue;
       }
@@ -126,7 +140,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
     do {
       if (top == 0) return;
       --top;
-    } while (stack_near[top] > hit->t);
+    } while (!any_hit && stack_near[top] > hit->t);
     current = stack_child[top];
   }
 }

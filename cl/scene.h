@@ -22,7 +22,7 @@ typedef struct Scene {
   __global const Light *lights;
   __global const uint *light_cdf;     // light i is chosen by 32-bit numbers in [cdf[i - 1], cdf[i]); the last entry is 2^32 - 1
   __global const uint *environment_cdf;  // see environment.h
-  __global const float2 *filter;         // see filter.h
+  __global const FilterEntry *filter;    // see filter.h
   __global const Camera *camera;
   __global const Settings *settings;
 } Scene;
@@ -35,7 +35,7 @@ typedef struct Scene {
       __global const packed_float3 *normals, __global const float2 *uvs, __global const Material *materials,                \
       __global const Texture *textures, __global const uchar *texels, __global const float *srgb,                           \
       __global const Light *lights, __global const uint *light_cdf, __global const uint *environment_cdf,                   \
-      __global const float2 *filter, __global const Camera *camera, __global const Settings *settings
+      __global const FilterEntry *filter, __global const Camera *camera, __global const Settings *settings
 #define SCENE_FROM_ARGUMENTS                                                                                                \
   {nodes, blocks, quadrics, shapes, triangle_shape, triangle_vertices, normals, uvs, materials, textures, texels, srgb,     \
    lights, light_cdf, environment_cdf, filter, camera, settings}

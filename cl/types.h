@@ -176,6 +176,13 @@ typedef struct Camera {
   uint orthographic;
 } Camera;
 
+// Entry i of the table of the reconstruction filter (filter.h), which runs over [-radius, radius].
+typedef struct FilterEntry {
+  float density;
+  float integral;  // of the density, up to here
+  uint first;      // where the search for the integral i / (count - 1) and above begins: an entry whose integral is not larger
+} FilterEntry;
+
 // One for the whole render.
 typedef struct Settings {
   ulong seed;

@@ -37,7 +37,7 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<uint> light_cdf;
   std::vector<uint> environment_cdf;  // see cl/environment.h
-  std::vector<std::array<float, 2>> filter;
+  std::vector<FilterEntry> filter;
   Camera camera{};
   Settings settings{};
 };

@@ -16,7 +16,7 @@ __kernel void enter(uint count, __global Ray *rays) {
 }
 
 // Sample i of the pixel (x, y).
-__kernel void samples(uint count, __global const Camera *camera, __global const Settings *settings, __global const float2 *filter, uint x, uint y,
+__kernel void samples(uint count, __global const Camera *camera, __global const Settings *settings, __global const FilterEntry *filter, uint x, uint y,
                       __global Ray *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;

@@ -13,7 +13,7 @@ namespace {
 struct Filter {
   FilterKind kind;
   double radius, stddev;
-  std::vector<std::array<float, 2>> table;
+  std::vector<FilterEntry> table;
   // Error of the tabulated integral against the closed form. Box and tent: 4 roundings. The Gaussian with width h = 2 r / 512 is off by h^2
   // max|f''| / 12 per unit of length at most, over the length in which f'' has one sign (2 stddev): h^2 / (12 s^2) 0.8, doubled for
   // the normalisation.
@@ -69,14 +69,33 @@ TEST(filter_test, the_table_integrates_to_one_and_ends_at_one) {
     const double width = 2 * f.radius / static_cast<double>(f.table.size() - 1);
     double integral = 0.0;
     for (std::size_t i = 0; i + 1 < f.table.size(); ++i) {
-      integral += 0.5 * width * (static_cast<double>(f.table[i][0]) + f.table[i + 1][0]);
-      EXPECT_GE(f.table[i][0], 0.0f);
-      EXPECT_LE(f.table[i][1], f.table[i + 1][1]);
-      EXPECT_NEAR(f.table[i + 1][1], integral, 2 * unit_roundoff);
+      integral += 0.5 * width * (static_cast<double>(f.table[i].density) + f.table[i + 1].density);
+      EXPECT_GE(f.table[i].density, 0.0f);
+      EXPECT_LE(f.table[i].integral, f.table[i + 1].integral);
+      EXPECT_NEAR(f.table[i + 1].integral, integral, 2 * unit_roundoff);
     }
     EXPECT_NEAR(integral, 1.0, 2 * unit_roundoff);  // every density is rounded once
-    EXPECT_EQ(f.table.front()[1], 0.0f);
-    EXPECT_EQ(f.table.back()[1], 1.0f);
+    EXPECT_EQ(f.table.front().integral, 0.0f);
+    EXPECT_EQ(f.table.back().integral, 1.0f);
+  }
+}
+
+// A search that began behind its place would return the wrong one; one that began far before it would be slow.
+TEST(filter_test, the_search_begins_at_or_before_its_place_and_one_step_before_in_the_mean) {
+  for (const Filter& f : filters()) {
+    const std::size_t last = f.table.size() - 2;
+    double steps = 0.0;
+    const std::vector<float> c = random_units(200000, 3);
+    for (const float x : c) {
+      const float scaled = x * static_cast<float>(f.table.size() - 1);
+      const std::size_t begin = f.table[std::min(static_cast<std::size_t>(scaled), last)].first;
+      const auto above = std::upper_bound(f.table.begin(), f.table.begin() + static_cast<std::ptrdiff_t>(last) + 1, x,
+                                          [](float value, const FilterEntry& entry) { return value < entry.integral; });
+      const auto place = static_cast<std::size_t>(above - f.table.begin()) - 1;
+      ASSERT_LE(begin, place) << x;
+      steps += static_cast<double>(place - begin);
+    }
+    EXPECT_LE(steps / static_cast<double>(c.size()), 1.1) << static_cast<int>(f.kind);
   }
 }
 

@@ -24,6 +24,7 @@
   STRUCT(Camera) MEMBER(Camera, origin) MEMBER(Camera, near_clip) MEMBER(Camera, corner) MEMBER(Camera, far_clip)       \
   MEMBER(Camera, step_x) MEMBER(Camera, aperture_radius) MEMBER(Camera, step_y) MEMBER(Camera, focus_distance)          \
   MEMBER(Camera, axis) MEMBER(Camera, orthographic)                                                                     \
+  STRUCT(FilterEntry) MEMBER(FilterEntry, density) MEMBER(FilterEntry, integral) MEMBER(FilterEntry, first)             \
   STRUCT(Settings) MEMBER(Settings, seed) MEMBER(Settings, film_width) MEMBER(Settings, film_height)                    \
   MEMBER(Settings, crop_x) MEMBER(Settings, crop_y) MEMBER(Settings, crop_width) MEMBER(Settings, crop_height)          \
   MEMBER(Settings, max_depth) MEMBER(Settings, rr_depth) MEMBER(Settings, hide_emitters) MEMBER(Settings, light_count)  \

@@ -10,7 +10,7 @@ __kernel void rays(uint count, __global const Camera *camera, __global const flo
 
 // Sample i of the pixel (x, y).
 __kernel void samples(uint count, __global const Camera *camera, __global const Settings *settings,
-                      __global const float2 *filter, uint x, uint y, __global Ray *result) {
+                      __global const FilterEntry *filter, uint x, uint y, __global Ray *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   Scene scene = {.camera = camera, .settings = settings, .filter = filter};

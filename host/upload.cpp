@@ -8,9 +8,9 @@
 namespace oclair {
 namespace {
 
-template <class T>
-BufferPlan plan_of(const char* name, const std::vector<T>& values) {
-  return {name, values.data(), values.size() * sizeof(T)};
+template <class Values>
+BufferPlan plan_of(const char* name, const Values& values) {
+  return {name, values.data(), values.size() * sizeof(values[0])};
 }
 
 std::size_t pixels(const Settings& settings) { return std::size_t{settings.crop_width} * settings.crop_height; }

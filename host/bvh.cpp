@@ -113,7 +113,7 @@ struct Builder {
   }
 };
 
-using Primitives = PagedVector<RTCBuildPrimitive>;
+using Primitives = BufferVector<RTCBuildPrimitive>;
 
 BuildNode* build_tree(Builder& builder, Primitives& primitives, int width, bool quadrics) {
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
@@ -293,6 +293,8 @@ Bvh build(const Scene& scene) {
   bvh.depth = root.depth;
   bvh.nodes.resize(bvh.node_count * sizeof(BvhNode<W>));
   bvh.blocks.resize(bvh.block_count * sizeof(TriangleBlock<W>));
+  wish_for_huge_pages(bvh.nodes.data(), bvh.nodes.size());
+  wish_for_huge_pages(bvh.blocks.data(), bvh.blocks.size());
   Layout<W>{scene, reinterpret_cast<BvhNode<W>*>(bvh.nodes.data()), reinterpret_cast<TriangleBlock<W>*>(bvh.blocks.data())}
       .add(&root, 0, 0);
   return bvh;

@@ -4,15 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pages.h"
+#include "buffer_vector.h"
 #include "scene.h"
 
 namespace oclair {
 
 struct Bvh {
   int width = 8;
-  PagedVector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
-  PagedVector<std::byte> blocks;  // TriangleBlock<width>
+  BufferVector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
+  BufferVector<std::byte> blocks;  // TriangleBlock<width>
   std::size_t node_count = 0;
   std::size_t block_count = 0;
   int depth = 0;                  // nodes on the longest way from the root to a leaf

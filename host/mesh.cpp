@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "pages.h"
 #include "parallel.h"
 #include "transform.h"
 
@@ -47,9 +46,7 @@ CornerAngles corner_angles(const std::vector<glm::dvec3>& p, glm::uvec3 t) {
 
 std::vector<glm::dvec3> smooth_normals(const Mesh& mesh) {
   const auto& triangles = mesh.triangles;
-  std::vector<glm::dvec3> normals;
-  reserve_pages(normals, mesh.positions.size());
-  normals.resize(mesh.positions.size());
+  std::vector<glm::dvec3> normals(mesh.positions.size());
   // All cores find the angles of a part of the mesh, one adds them up: always in the order of the triangles.
   std::vector<CornerAngles> part(std::min<std::size_t>(triangles.size(), 1 << 16));
   for (std::size_t first = 0; first < triangles.size(); first += part.size()) {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "buffer_vector.h"
 #include "mesh.h"
-#include "pages.h"
 
 namespace oclair {
 
@@ -34,7 +34,7 @@ ObjectMesh parse_ply(std::string_view bytes);
 ObjectMesh parse_serialized(std::string_view file, std::uint64_t shape_index);
 
 // The whole file. Throws MeshFileError.
-PagedVector<char> read_mesh_file(const std::filesystem::path& file);
-inline std::string_view text_of(const PagedVector<char>& bytes) { return {bytes.data(), bytes.size()}; }
+BufferVector<char> read_mesh_file(const std::filesystem::path& file);
+inline std::string_view text_of(const BufferVector<char>& bytes) { return {bytes.data(), bytes.size()}; }
 
 }  // namespace oclair

@@ -4,7 +4,6 @@
 #include <iterator>
 #include <utility>
 
-#include "pages.h"
 #include "parallel.h"
 #include "ply_reader.h"
 
@@ -126,13 +125,9 @@ void read_vertices(PlyReader& reader, const PlyElement& element, ObjectMesh& mes
   const bool has_normals = present[3] && present[4] && present[5], has_uvs = present[6];
   auto attributes = attributes_of(element, known);
   const std::size_t before = mesh.positions.size(), size = before + element.count;
-  const auto make_room = [&](auto& values) {
-    reserve_pages(values, size);
-    values.resize(size);
-  };
-  make_room(mesh.positions);
-  if (has_normals) make_room(mesh.normals);
-  if (has_uvs) make_room(mesh.uvs);
+  mesh.positions.resize(size);
+  if (has_normals) mesh.normals.resize(size);
+  if (has_uvs) mesh.uvs.resize(size);
   const auto read = [&](PlyReader& rows, std::size_t first, std::size_t end) {
     std::vector<double> all(element.properties.size());
     for (std::size_t v = first; v < end; ++v) {
@@ -211,7 +206,6 @@ void read_faces(PlyReader& reader, const PlyElement& element, std::uint64_t vert
   std::size_t triangles = 0;
   if (const auto row = row_size(reader, element, 3)) {
     triangles = leading_triangles(reader, element, *row);
-    reserve_pages(faces.triangles, triangles);
     faces.triangles.resize(triangles);
     read_rows(reader, *row, triangles, [&](PlyReader& rows, std::size_t first, std::size_t end) {
       std::vector<double> all(element.properties.size());

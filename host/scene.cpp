@@ -38,7 +38,7 @@ Features material_features(const Material& m) {
 // The triangles that can be seen. The device forms the normal from edges rounded to float32: where those are parallel, or their
 // cross product below what float32 holds, there is none.
 std::vector<uint> triangles_with_area(const Scene& scene, const Mesh& mesh, std::size_t first_position) {
-  PagedVector<char> has_area(mesh.triangles.size());
+  BufferVector<char> has_area(mesh.triangles.size());
   parallel_pieces(has_area.size(), [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
       const glm::uvec3 t = mesh.triangles[i];
@@ -49,7 +49,7 @@ std::vector<uint> triangles_with_area(const Scene& scene, const Mesh& mesh, std:
     }
   });
   std::vector<uint> faces;
-  reserve_pages(faces, has_area.size());
+  faces.reserve(has_area.size());
   for (std::size_t i = 0; i < has_area.size(); ++i)
     if (has_area[i]) faces.push_back(static_cast<uint>(i));
   return faces;
@@ -57,7 +57,7 @@ std::vector<uint> triangles_with_area(const Scene& scene, const Mesh& mesh, std:
 
 // Appends what varies with the vertices; returns where it begins, or NONE.
 template <class Out, class In, class Convert>
-uint append_vertices(PagedVector<Out>& out, const std::vector<In>& in, Convert convert) {
+uint append_vertices(BufferVector<Out>& out, const std::vector<In>& in, Convert convert) {
   if (in.empty()) return NONE;
   const std::size_t before = out.size();
   out.resize(before + in.size());
@@ -67,10 +67,24 @@ uint append_vertices(PagedVector<Out>& out, const std::vector<In>& in, Convert c
   return static_cast<uint>(before);
 }
 
-// Takes what it needs of the mesh apart as it goes. Returns the place of its vertex 0 among the positions.
-uint add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source, uint shape_index) {
+// Scene::triangle_vertices of the triangles that are still without. first_position: of each shape, where the positions of its mesh begin.
+void count_vertices_in_mesh(Scene& scene, const std::vector<uint>& first_position) {
+  const std::size_t before = scene.triangle_vertices.size();
+  scene.triangle_vertices.resize(scene.triangles.size());
+  parallel_pieces(scene.triangles.size() - before, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = before + first; i < before + end; ++i) {
+      const uint offset = first_position[scene.triangle_shape[i]];
+      const packed_uint3 v = scene.triangles[i];
+      scene.triangle_vertices[i] = {v.x - offset, v.y - offset, v.z - offset};
+    }
+  });
+}
+
+// Takes the mesh apart as it goes.
+void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source, std::vector<uint>& first_positions) {
   Mesh& mesh = source.mesh;
-  const uint first_position = static_cast<uint>(scene.positions.size());
+  const uint shape_index = static_cast<uint>(scene.shapes.size()) - 1, first_position = static_cast<uint>(scene.positions.size());
+  first_positions.back() = first_position;
   if (first_position + mesh.positions.size() >= NONE || scene.triangles.size() + mesh.triangles.size() >= QUADRIC_BIT)
     throw Error(Exit::scene, source.where + ": too many triangles: expected fewer than 2^31 triangles and 2^32 vertices in all");
   append_vertices(scene.positions, mesh.positions, [&](const glm::dvec3& p) { return pack(scene.frame.place(p)); });
@@ -100,9 +114,9 @@ uint add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, Worl
       scene.triangles[before + i] = {v.x, v.y, v.z};
     }
   });
-  if (source.radiance) lights.add_mesh(shape, *source.radiance, texture);
   mesh = {};
-  return first_position;
+  if (texture != 0) count_vertices_in_mesh(scene, first_positions);
+  if (source.radiance) lights.add_mesh(shape, *source.radiance, texture);
 }
 
 double quadric_area(Geometry geometry, const glm::dmat4& to_canonical) {
@@ -146,33 +160,28 @@ void add_quadric(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, c
 }
 
 void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
-  std::size_t positions = 0, triangles = 0;
+  std::size_t positions = 0, normals = 0, triangles = 0;
   for (const WorldShape& source : sources) {
     positions += source.mesh.positions.size();
+    normals += source.mesh.normals.size();
     triangles += source.mesh.triangles.size();
   }
   scene.positions.reserve(positions);
+  scene.normals.reserve(normals);
   scene.triangles.reserve(triangles);
   scene.triangle_shape.reserve(triangles);
-  std::vector<uint> first_position;  // of each shape
+  std::vector<uint> first_positions;  // of each shape's mesh
   for (WorldShape& source : sources) {
     const uint index = static_cast<uint>(scene.shapes.size());
     scene.shapes.push_back({NONE, NONE, NONE, 1, 0, NONE, NONE});
-    first_position.push_back(0);
-    if (source.geometry == Geometry::mesh) first_position.back() = add_mesh(scene, lights, materials, source, index);
+    first_positions.push_back(0);
+    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, first_positions);
     else add_quadric(scene, lights, materials, source, index);
   }
   const bool vertex_attributes = std::any_of(scene.textures.begin(), scene.textures.end(),
                                              [](const Texture& t) { return t.kind == TEXTURE_VERTEX_ATTRIBUTE; });
-  if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) return;
-  scene.triangle_vertices.resize(scene.triangles.size());
-  parallel_pieces(scene.triangles.size(), [&](std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      const uint before = first_position[scene.triangle_shape[i]];
-      const packed_uint3 v = scene.triangles[i];
-      scene.triangle_vertices[i] = {v.x - before, v.y - before, v.z - before};
-    }
-  });
+  if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) scene.triangle_vertices = {};
+  else count_vertices_in_mesh(scene, first_positions);
 }
 
 // How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,

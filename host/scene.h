@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "../cl/features.h"
+#include "buffer_vector.h"
 #include "frame.h"
-#include "pages.h"
 #include "world.h"
 
 namespace oclair {
@@ -21,16 +21,16 @@ struct Scene {
   Approximations approximations = 0;  // that the user asked for
 
   // Input of the BVH, which keeps what it needs of them: a renderer does without.
-  PagedVector<packed_float3> positions;
-  PagedVector<packed_uint3> triangles;      // indices into positions; each has a normal in float32
+  BufferVector<packed_float3> positions;
+  BufferVector<packed_uint3> triangles;      // indices into positions; each has a normal in float32
   std::uint64_t degenerate_primitives = 0;  // left out
 
   std::vector<Quadric> quadrics;
   std::vector<Shape> shapes;
-  PagedVector<uint> triangle_shape;
-  PagedVector<packed_uint3> triangle_vertices;  // counted in the mesh; empty if nothing varies with the vertices
-  PagedVector<packed_float3> normals;
-  PagedVector<std::array<float, 2>> uvs;
+  BufferVector<uint> triangle_shape;
+  BufferVector<packed_uint3> triangle_vertices;  // counted in the mesh; empty if nothing varies with the vertices
+  BufferVector<packed_float3> normals;
+  BufferVector<std::array<float, 2>> uvs;
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<std::byte> texels;

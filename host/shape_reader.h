@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bsdf_reader.h"
+#include "buffer_vector.h"
 #include "document.h"
-#include "pages.h"
 #include "texture_reader.h"
 #include "world.h"
 
@@ -36,7 +36,7 @@ struct ShapeContext {
   std::map<std::uint32_t, ShapeGroup> groups;            // by element
   std::vector<ShapeInstance> instances;                  // all are counted before the first is copied
   std::string serialized_file;                           // the last one: it may hold many shapes
-  PagedVector<char> serialized_bytes;
+  BufferVector<char> serialized_bytes;
 };
 
 // Appends the shape, its materials and its warnings to the world. Throws Error(Exit::scene).

@@ -13,8 +13,8 @@
 
 namespace oclair {
 
-// Asks for pages of 2 MiB, where the system has them, before the memory is first touched: fewer misses of the address cache while it
-// is read at random. Not for what lives briefly: such pages cost more to get. A wish: nothing depends on it.
+// Asks for pages of 2 MiB, where the system has them, before the memory is first touched: fewer misses of the address cache
+// while it is read at random. Not for what lives briefly: such pages cost more to get. A wish: nothing depends on it.
 inline void wish_for_huge_pages(void* memory, std::size_t bytes) {
   constexpr std::size_t HUGE_PAGE = std::size_t{1} << 21;
   const auto first = (reinterpret_cast<std::uintptr_t>(memory) + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
@@ -22,8 +22,8 @@ inline void wish_for_huge_pages(void* memory, std::size_t bytes) {
   if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
 }
 
-// Arrays begin with a cache line. Elements are left as they are found: the thread that writes one first pays for its page. Devices
-// that share the host's memory can use them as they are (CL_MEM_USE_HOST_PTR).
+// Arrays begin with a cache line. Elements are left as they are found: the thread that writes one first pays for its page.
+// Devices that share the host's memory can use them as they are (CL_MEM_USE_HOST_PTR).
 template <class T>
 struct BufferAllocator {
   using value_type = T;

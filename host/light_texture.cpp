@@ -103,7 +103,8 @@ LightTexture light_texture(const Scene& scene, const Shape& shape, uint referenc
   parallel_pieces(result.parts.size(), [&](std::size_t first, std::size_t last) {
     double greatest = 0.0;
     for (std::size_t i = first; i < last; ++i)
-      result.parts[i] = mean_of_part(shape.first_triangle + static_cast<uint>(i / count), static_cast<uint>(i % count), greatest);
+      result.parts[i] =
+          mean_of_part(shape.first_triangle + static_cast<uint>(i / count), static_cast<uint>(i % count), greatest);
     sampled.include(greatest);
   }, 256 / m);
   result.brightest = std::max(brightest, sampled.value);

@@ -55,7 +55,8 @@ std::vector<glm::dvec3> smooth_normals(const Mesh& mesh) {
       for (std::size_t i = begin; i < end; ++i) part[i] = corner_angles(mesh.positions, triangles[first + i]);
     });
     for (std::size_t i = 0; i < count; ++i)
-      for (int corner = 0; corner < 3; ++corner) normals[triangles[first + i][corner]] += part[i].normal * part[i].angles[corner];
+      for (int corner = 0; corner < 3; ++corner)
+        normals[triangles[first + i][corner]] += part[i].normal * part[i].angles[corner];
   }
   parallel_pieces(normals.size(), [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {

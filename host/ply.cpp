@@ -81,7 +81,8 @@ Attributes attributes_of(const PlyElement& element, const std::vector<std::size_
 }
 
 // Bytes of an element's row, if all of its rows are as long; with `corners`, of one whose lists have that many numbers each.
-std::optional<std::size_t> row_size(const PlyReader& reader, const PlyElement& element, std::optional<std::size_t> corners = {}) {
+std::optional<std::size_t> row_size(const PlyReader& reader, const PlyElement& element,
+                                    std::optional<std::size_t> corners = {}) {
   if (reader.encoding == Encoding::ascii) return std::nullopt;
   std::size_t size = 0;
   for (const auto& property : element.properties) {

@@ -67,7 +67,8 @@ uint append_vertices(BufferVector<Out>& out, const std::vector<In>& in, Convert 
   return static_cast<uint>(before);
 }
 
-// Scene::triangle_vertices of the triangles that are still without. first_position: of each shape, where the positions of its mesh begin.
+// Scene::triangle_vertices of the triangles that are still without. first_position: of each shape, where the positions of its
+// mesh begin.
 void count_vertices_in_mesh(Scene& scene, const std::vector<uint>& first_position) {
   const std::size_t before = scene.triangle_vertices.size();
   scene.triangle_vertices.resize(scene.triangles.size());
@@ -81,9 +82,11 @@ void count_vertices_in_mesh(Scene& scene, const std::vector<uint>& first_positio
 }
 
 // Takes the mesh apart as it goes.
-void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source, std::vector<uint>& first_positions) {
+void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source,
+              std::vector<uint>& first_positions) {
   Mesh& mesh = source.mesh;
-  const uint shape_index = static_cast<uint>(scene.shapes.size()) - 1, first_position = static_cast<uint>(scene.positions.size());
+  const uint shape_index = static_cast<uint>(scene.shapes.size()) - 1;
+  const uint first_position = static_cast<uint>(scene.positions.size());
   first_positions.back() = first_position;
   if (first_position + mesh.positions.size() >= NONE || scene.triangles.size() + mesh.triangles.size() >= QUADRIC_BIT)
     throw Error(Exit::scene, source.where + ": too many triangles: expected fewer than 2^31 triangles and 2^32 vertices in all");

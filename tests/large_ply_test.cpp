@@ -1,4 +1,4 @@
-// PLY files so large that several threads read them: what they say is what was written, and of several faults the first is told.
+// PLY files so large that several threads read them: what they say is what was written, of several faults the first is told.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -77,10 +77,12 @@ std::string written(const Content& c, Format format, bool faces_first) {
     for (const std::uint32_t corner : c.faces[f]) faces.add(corner);
   }
   std::string vertex = "element vertex " + std::to_string(c.vertices.size()) + "\n";
-  for (const char* const name : {"x", "y", "z", "nx", "ny", "nz", "u", "v", "heat_x"}) vertex += std::string("property float ") + name + "\n";
-  const std::string face = "element face " + std::to_string(c.faces.size()) + "\nproperty float weight_x\nproperty list uchar uint vertex_indices\n";
-  return std::string("ply\nformat ") + NAMES[static_cast<int>(format)] + " 1.0\n" + (faces_first ? face + vertex : vertex + face) +
-         "end_header\n" + (faces_first ? faces.text + vertices.text : vertices.text + faces.text);
+  for (const char* const name : {"x", "y", "z", "nx", "ny", "nz", "u", "v", "heat_x"})
+    vertex += std::string("property float ") + name + "\n";
+  const std::string face = "element face " + std::to_string(c.faces.size()) +
+                           "\nproperty float weight_x\nproperty list uchar uint vertex_indices\n";
+  return std::string("ply\nformat ") + NAMES[static_cast<int>(format)] + " 1.0\n" +
+         (faces_first ? face + vertex : vertex + face) + "end_header\n" + (faces_first ? faces.text + vertices.text : vertices.text + faces.text);
 }
 
 void expect_content(const ObjectMesh& mesh, const Content& c) {
@@ -103,7 +105,8 @@ void expect_content(const ObjectMesh& mesh, const Content& c) {
     }
   EXPECT_EQ(mesh.triangles, triangles);
   const auto values_of = [&](const std::string& name) {
-    const auto found = std::find_if(mesh.attributes.begin(), mesh.attributes.end(), [&](const MeshAttribute& a) { return a.name == name; });
+    const auto found = std::find_if(mesh.attributes.begin(), mesh.attributes.end(),
+                                    [&](const MeshAttribute& a) { return a.name == name; });
     return found == mesh.attributes.end() ? std::vector<float>{} : found->values;
   };
   EXPECT_EQ(values_of("vertex_heat"), c.heat);

@@ -45,7 +45,8 @@ Loaded load(int threads) {
     for (int i = 0; i < 300; ++i) {
       WorldShape& sphere = add_shape(world, diffuse(0.5), Sides::both);
       sphere.geometry = Geometry::sphere;
-      sphere.to_world = glm::dmat4(glm::dvec4(0.01, 0, 0, 0), glm::dvec4(0, 0.01, 0, 0), glm::dvec4(0, 0, 0.01, 0), glm::dvec4(0.01 * i, 2, 0, 1));
+      sphere.to_world = glm::dmat4(0.01);
+      sphere.to_world[3] = {0.01 * i, 2, 0, 1};
     }
     world.textures.push_back({.image = random_image(300, 200, 3)});
     WorldShape& lamp = add_shape(world, diffuse(0.0), Sides::both, 1.0);

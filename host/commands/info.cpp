@@ -40,9 +40,11 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
     sum += buffer.bytes;
   }
   row("memory") << format_bytes(sum) << " on the device\n";
-  // What a triangle costs: its share of the tree, of the leaves and of what shading asks for. Lights and textures are the scene's.
+  // What a triangle costs: its share of the tree, of the leaves and of what shading asks for. Lights, textures are the scene's.
+  constexpr const char* OF_TRIANGLES[] = {"nodes",   "triangle blocks",    "triangle shapes", "triangle vertices",
+                                          "normals", "texture coordinates"};
   std::size_t geometry = 0;
-  for (const char* const name : {"nodes", "triangle blocks", "triangle shapes", "triangle vertices", "normals", "texture coordinates"})
+  for (const char* const name : OF_TRIANGLES)
     geometry += std::find_if(buffers.begin(), buffers.end(), [&](const BufferPlan& b) { return b.name == name; })->bytes;
   if (!scene.triangles.empty())
     row("per triangle") << std::fixed << std::setprecision(1)

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "../host/mesh.h"
 #include "environment_maps.h"
@@ -38,7 +39,10 @@ Loaded load(int threads) {
   return on_threads(threads, [] {
     World world;
     const Mesh ball = icosphere(6, 0.02, 3);  // 81 920 triangles
-    add_shape(world, diffuse(0.5), Sides::both).mesh = to_world({.positions = ball.positions, .triangles = ball.triangles}, {});
+    ObjectMesh bent;
+    bent.positions = ball.positions;
+    bent.triangles = ball.triangles;
+    add_shape(world, diffuse(0.5), Sides::both).mesh = to_world(std::move(bent), {});
     // As many times the same triangle as make a fallback of the builder split by number.
     add_shape(world, diffuse(0.5), Sides::both).mesh.positions = {{0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
     world.shapes.back().mesh.triangles.assign(5000, {0, 1, 2});
@@ -48,7 +52,7 @@ Loaded load(int threads) {
       sphere.to_world = glm::dmat4(0.01);
       sphere.to_world[3] = {0.01 * i, 2, 0, 1};
     }
-    world.textures.push_back({.image = random_image(300, 200, 3)});
+    world.textures.emplace_back().image = random_image(300, 200, 3);
     WorldShape& lamp = add_shape(world, diffuse(0.0), Sides::both, 1.0);
     lamp.radiance_texture = 1;
     add_quad(lamp.mesh, {-1, -1, 4}, {0, 2, 0}, {2, 0, 0});

@@ -1,16 +1,18 @@
 #include "bvh.h"
 
+#include <tbb/task_group.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "embree.h"
 #include "error.h"
+#include "parallel.h"
 
 namespace oclair {
 namespace {
@@ -19,48 +21,73 @@ constexpr int max_width = 8;
 constexpr unsigned max_leaf_size = 32;
 constexpr unsigned max_tree_depth = 1024;  // Embree's default of 32 fails on geometric progressions; real trees reach 200
 
-// The tree as Embree's callbacks make it, in Embree's own arena; flattened afterwards and freed with it.
+// The tree as Embree's callbacks make it, in Embree's own arena; laid out afterwards and freed with it. A node knows what lies
+// below it, so that its children can be laid out at the same time.
 struct BuildNode {
   int count = 0;  // children; of a leaf: primitives
   bool leaf = false;
   bool quadric = false;
+  uint node_count = 0;  // with itself
+  uint block_count = 0;
+  int depth = 0;        // nodes on the longest way down
+};
+struct BuildInner : BuildNode {
   RTCBounds bounds[max_width];
   BuildNode* child[max_width];
+
+  // Once its children are whole.
+  void count_below() {
+    node_count = 1;
+    depth = 1;
+    for (int i = 0; i < count; ++i) {
+      node_count += child[i]->node_count;
+      block_count += child[i]->block_count;
+      depth = std::max(depth, child[i]->depth + 1);
+    }
+  }
 };
 struct BuildLeaf : BuildNode {
-  uint primitive[max_leaf_size];
+  uint* primitives() { return reinterpret_cast<uint*>(this + 1); }  // as many as it has lie behind it
+  const uint* primitives() const { return reinterpret_cast<const uint*>(this + 1); }
 };
 
-BuildNode* create_leaf(RTCThreadLocalAllocator arena, const RTCBuildPrimitive* primitives, std::size_t count, bool quadric) {
+BuildLeaf* create_leaf(RTCThreadLocalAllocator arena, const RTCBuildPrimitive* primitives, std::size_t count) {
   assert(count <= max_leaf_size);
-  auto* leaf = new (rtcThreadLocalAlloc(arena, sizeof(BuildLeaf), 16)) BuildLeaf;
+  auto* leaf = new (rtcThreadLocalAlloc(arena, sizeof(BuildLeaf) + count * sizeof(uint), 16)) BuildLeaf;
   leaf->leaf = true;
-  leaf->quadric = quadric;
   leaf->count = static_cast<int>(count);
-  for (std::size_t i = 0; i < count; ++i) leaf->primitive[i] = primitives[i].primID;
+  for (std::size_t i = 0; i < count; ++i) leaf->primitives()[i] = primitives[i].primID;
   return leaf;
 }
 
-void* create_triangle_leaf(RTCThreadLocalAllocator arena, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
-  return create_leaf(arena, primitives, count, false);
+void* create_triangle_leaf(RTCThreadLocalAllocator arena, const RTCBuildPrimitive* primitives, std::size_t count, void* width) {
+  BuildLeaf* leaf = create_leaf(arena, primitives, count);
+  leaf->block_count = static_cast<uint>((count + *static_cast<int*>(width) - 1) / *static_cast<int*>(width));
+  return static_cast<BuildNode*>(leaf);
 }
 
 void* create_quadric_leaf(RTCThreadLocalAllocator arena, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
-  return create_leaf(arena, primitives, count, true);
+  BuildLeaf* leaf = create_leaf(arena, primitives, count);
+  leaf->quadric = true;
+  return static_cast<BuildNode*>(leaf);
 }
 
 void* create_node(RTCThreadLocalAllocator arena, unsigned count, void*) {
-  auto* node = new (rtcThreadLocalAlloc(arena, sizeof(BuildNode), 16)) BuildNode;
+  auto* node = new (rtcThreadLocalAlloc(arena, sizeof(BuildInner), 16)) BuildInner;
   node->count = static_cast<int>(count);
-  return node;
+  return static_cast<BuildNode*>(node);
 }
 
+BuildInner* inner(void* node) { return static_cast<BuildInner*>(static_cast<BuildNode*>(node)); }
+
+// Called when all that is below the children stands.
 void set_children(void* node, void** children, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->child[i] = static_cast<BuildNode*>(children[i]);
+  for (unsigned i = 0; i < count; ++i) inner(node)->child[i] = static_cast<BuildNode*>(children[i]);
+  inner(node)->count_below();
 }
 
 void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->bounds[i] = *bounds[i];
+  for (unsigned i = 0; i < count; ++i) inner(node)->bounds[i] = *bounds[i];
 }
 
 void report(void* message, RTCError, const char* text) {
@@ -86,7 +113,9 @@ struct Builder {
   }
 };
 
-BuildNode* build_tree(Builder& builder, std::vector<RTCBuildPrimitive>& primitives, int width, bool quadrics) {
+using Primitives = BufferVector<RTCBuildPrimitive>;
+
+BuildNode* build_tree(Builder& builder, Primitives& primitives, int width, bool quadrics) {
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = width;
@@ -99,6 +128,7 @@ BuildNode* build_tree(Builder& builder, std::vector<RTCBuildPrimitive>& primitiv
   arguments.primitives = primitives.data();
   arguments.primitiveCount = primitives.size();
   arguments.primitiveArrayCapacity = primitives.size();
+  arguments.userPtr = &width;
   arguments.createNode = create_node;
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
@@ -114,20 +144,22 @@ RTCBuildPrimitive primitive_of(const float low[3], const float high[3], std::siz
   return {low[0], low[1], low[2], 0u, high[0], high[1], high[2], static_cast<uint>(index)};
 }
 
-std::vector<RTCBuildPrimitive> triangle_primitives(const Scene& scene) {
-  std::vector<RTCBuildPrimitive> primitives(scene.triangles.size());
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const packed_uint3 t = scene.triangles[i];
-    const packed_float3 a = scene.positions[t.x], b = scene.positions[t.y], c = scene.positions[t.z];
-    const float low[3] = {std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})};
-    const float high[3] = {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})};
-    primitives[i] = primitive_of(low, high, i);
-  }
+Primitives triangle_primitives(const Scene& scene) {
+  Primitives primitives(scene.triangles.size());
+  parallel_pieces(primitives.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const packed_uint3 t = scene.triangles[i];
+      const packed_float3 a = scene.positions[t.x], b = scene.positions[t.y], c = scene.positions[t.z];
+      const float low[3] = {std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})};
+      const float high[3] = {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})};
+      primitives[i] = primitive_of(low, high, i);
+    }
+  });
   return primitives;
 }
 
-std::vector<RTCBuildPrimitive> quadric_primitives(const Scene& scene) {
-  std::vector<RTCBuildPrimitive> primitives;
+Primitives quadric_primitives(const Scene& scene) {
+  Primitives primitives;
   for (std::size_t i = 0; i < scene.quadrics.size(); ++i) {
     const Quadric& q = scene.quadrics[i];
     glm::dmat4 to_world(1.0);
@@ -149,42 +181,42 @@ std::vector<RTCBuildPrimitive> quadric_primitives(const Scene& scene) {
   return primitives;
 }
 
-RTCBounds bounds_of(const std::vector<RTCBuildPrimitive>& primitives) {
+template <class Box>
+void include(RTCBounds& bounds, const Box& box) {
+  bounds.lower_x = std::min(bounds.lower_x, box.lower_x);
+  bounds.lower_y = std::min(bounds.lower_y, box.lower_y);
+  bounds.lower_z = std::min(bounds.lower_z, box.lower_z);
+  bounds.upper_x = std::max(bounds.upper_x, box.upper_x);
+  bounds.upper_y = std::max(bounds.upper_y, box.upper_y);
+  bounds.upper_z = std::max(bounds.upper_z, box.upper_z);
+}
+
+// Of a whole tree over the primitives.
+RTCBounds bounds_of(const BuildNode* tree, const Primitives& primitives) {
   constexpr float inf = std::numeric_limits<float>::infinity();
-  RTCBounds b{inf, inf, inf, 0.0f, -inf, -inf, -inf, 0.0f};
-  for (const RTCBuildPrimitive& p : primitives) {
-    b.lower_x = std::min(b.lower_x, p.lower_x);
-    b.lower_y = std::min(b.lower_y, p.lower_y);
-    b.lower_z = std::min(b.lower_z, p.lower_z);
-    b.upper_x = std::max(b.upper_x, p.upper_x);
-    b.upper_y = std::max(b.upper_y, p.upper_y);
-    b.upper_z = std::max(b.upper_z, p.upper_z);
-  }
-  return b;
+  RTCBounds bounds{inf, inf, inf, 0.0f, -inf, -inf, -inf, 0.0f};
+  if (tree->leaf)
+    for (const RTCBuildPrimitive& primitive : primitives) include(bounds, primitive);
+  else
+    for (int i = 0; i < tree->count; ++i) include(bounds, static_cast<const BuildInner*>(tree)->bounds[i]);
+  return bounds;
 }
 
 // Lays the tree out in depth-first order, so that a first child often lies behind its parent.
 template <int W>
 struct Layout {
   const Scene& scene;
-  std::vector<BvhNode<W>> nodes;
-  std::vector<TriangleBlock<W>> blocks;
-  int depth = 0;
+  BvhNode<W>* nodes;
+  TriangleBlock<W>* blocks;
 
-  uint add_leaf(const BuildNode* node) {
-    const auto* leaf = static_cast<const BuildLeaf*>(node);
-    if (leaf->quadric) {
-      if (leaf->primitive[0] > LEAF_INDEX_MASK) throw Error(Exit::render_failed, "too many quadrics: expected at most 2^27");
-      return LEAF_BIT | leaf->primitive[0];
-    }
-    const uint count = (leaf->count + W - 1) / W;
-    const std::size_t first = blocks.size();
-    if (first + count > LEAF_INDEX_MASK) throw Error(Exit::render_failed, "too many triangles: expected fewer than 2^27 leaf blocks");
-    for (uint b = 0; b < count; ++b) {
-      TriangleBlock<W>& block = blocks.emplace_back();
+  // Blocks from `first` on.
+  uint add_leaf(const BuildLeaf* leaf, uint first) const {
+    if (leaf->quadric) return LEAF_BIT | leaf->primitives()[0];
+    for (uint b = 0; b < leaf->block_count; ++b) {
+      TriangleBlock<W>& block = blocks[first + b];
       for (int lane = 0; lane < W; ++lane) {
         // The last block is filled with copies of its last triangle: degenerate ones would not be rejected surely.
-        const uint primitive = leaf->primitive[std::min<int>(b * W + lane, leaf->count - 1)];
+        const uint primitive = leaf->primitives()[std::min<int>(b * W + lane, leaf->count - 1)];
         const packed_uint3 t = scene.triangles[primitive];
         const uint vertex[3] = {t.x, t.y, t.z};
         for (int v = 0; v < 3; ++v) {
@@ -196,27 +228,34 @@ struct Layout {
         block.primitive[lane] = primitive;
       }
     }
-    return LEAF_BIT | count << LEAF_COUNT_SHIFT | static_cast<uint>(first);
+    return LEAF_BIT | leaf->block_count << LEAF_COUNT_SHIFT | first;
   }
 
-  // Recursion as deep as the tree: max_tree_depth at most.
-  uint add(const BuildNode* node, int level) {
-    if (node->leaf) return add_leaf(node);
-    depth = std::max(depth, level);
-    const std::size_t index = nodes.size();
-    nodes.push_back(empty_node());
+  // The node at `index`, the nodes below it behind it, their blocks from `block` on. Recursion as deep as the tree:
+  // max_tree_depth at most.
+  void add(const BuildInner* node, uint index, uint block) const {
+    constexpr uint LEAST_BLOCKS = 1024;  // that are worth a task of their own
+    BvhNode<W>& target = nodes[index] = empty_node();
+    tbb::task_group tasks;
+    uint next = index + 1;
     for (int i = 0; i < node->count; ++i) {
-      const uint child = add(node->child[i], level + 1);  // may move `nodes`
-      BvhNode<W>& target = nodes[index];
+      const BuildNode* child = node->child[i];
       const RTCBounds& b = node->bounds[i];
       const float low[3] = {b.lower_x, b.lower_y, b.lower_z}, high[3] = {b.upper_x, b.upper_y, b.upper_z};
       for (int axis = 0; axis < 3; ++axis) {
         target.bounds[2 * axis][i] = low[axis] - box_padding;
         target.bounds[2 * axis + 1][i] = high[axis] + box_padding;
       }
-      target.child[i] = child;
+      target.child[i] = child->leaf ? add_leaf(static_cast<const BuildLeaf*>(child), block) : next;
+      if (!child->leaf) {
+        const auto below = [this, child, next, block] { add(static_cast<const BuildInner*>(child), next, block); };
+        if (child->block_count < LEAST_BLOCKS) below();
+        else tasks.run(below);
+      }
+      next += child->node_count;
+      block += child->block_count;
     }
-    return static_cast<uint>(index);
+    tasks.wait();
   }
 
   static BvhNode<W> empty_node() {
@@ -229,41 +268,35 @@ struct Layout {
   }
 };
 
-template <class T>
-std::vector<std::byte> bytes_of(const std::vector<T>& values) {
-  std::vector<std::byte> bytes(values.size() * sizeof(T));
-  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  return bytes;
-}
-
 template <int W>
 Bvh build(const Scene& scene) {
+  if (scene.quadrics.size() > LEAF_INDEX_MASK + 1u) throw Error(Exit::render_failed, "too many quadrics: expected at most 2^27");
   std::optional<Builder> triangle_builder, quadric_builder;  // they own the trees until these are laid out
-  BuildNode root;
-  const auto attach = [&](BuildNode* tree, const RTCBounds& bounds) {
-    root.bounds[root.count] = bounds;
-    root.child[root.count++] = tree;
+  BuildInner above;
+  const auto attach = [&](std::optional<Builder>& builder, Primitives primitives, bool quadrics) {
+    if (primitives.empty()) return;
+    above.child[above.count] = build_tree(builder.emplace(), primitives, W, quadrics);
+    above.bounds[above.count] = bounds_of(above.child[above.count], primitives);
+    ++above.count;
   };
-  std::vector<RTCBuildPrimitive> primitives = triangle_primitives(scene);
-  if (!primitives.empty()) {
-    const RTCBounds bounds = bounds_of(primitives);
-    attach(build_tree(triangle_builder.emplace(), primitives, W, false), bounds);
-  }
-  primitives = quadric_primitives(scene);
-  if (!primitives.empty()) {
-    const RTCBounds bounds = bounds_of(primitives);
-    attach(build_tree(quadric_builder.emplace(), primitives, W, true), bounds);
-  }
-  Layout<W> layout{scene, {}, {}};
-  const bool single = root.count == 1 && !root.child[0]->leaf;
-  layout.add(single ? root.child[0] : &root, 1);
+  attach(triangle_builder, triangle_primitives(scene), false);
+  attach(quadric_builder, quadric_primitives(scene), true);
+  above.count_below();
+  const bool single = above.count == 1 && !above.child[0]->leaf;
+  const BuildInner& root = single ? static_cast<const BuildInner&>(*above.child[0]) : above;
+  if (root.block_count > LEAF_INDEX_MASK)
+    throw Error(Exit::render_failed, "too many triangles: expected fewer than 2^27 leaf blocks");
   Bvh bvh;
   bvh.width = W;
-  bvh.node_count = layout.nodes.size();
-  bvh.block_count = layout.blocks.size();
-  bvh.depth = layout.depth;
-  bvh.nodes = bytes_of(layout.nodes);
-  bvh.blocks = bytes_of(layout.blocks);
+  bvh.node_count = root.node_count;
+  bvh.block_count = root.block_count;
+  bvh.depth = root.depth;
+  bvh.nodes.resize(bvh.node_count * sizeof(BvhNode<W>));
+  bvh.blocks.resize(bvh.block_count * sizeof(TriangleBlock<W>));
+  wish_for_huge_pages(bvh.nodes.data(), bvh.nodes.size());
+  wish_for_huge_pages(bvh.blocks.data(), bvh.blocks.size());
+  Layout<W>{scene, reinterpret_cast<BvhNode<W>*>(bvh.nodes.data()), reinterpret_cast<TriangleBlock<W>*>(bvh.blocks.data())}
+      .add(&root, 0, 0);
   return bvh;
 }
 

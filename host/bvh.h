@@ -3,16 +3,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "buffer_vector.h"
 #include "scene.h"
 
 namespace oclair {
 
 struct Bvh {
   int width = 8;
-  std::vector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
-  std::vector<std::byte> blocks;  // TriangleBlock<width>
+  BufferVector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
+  BufferVector<std::byte> blocks;  // TriangleBlock<width>
   std::size_t node_count = 0;
   std::size_t block_count = 0;
   int depth = 0;                  // nodes on the longest way from the root to a leaf
@@ -29,6 +29,7 @@ struct Bvh {
 inline constexpr float box_padding = 0x1p-19f;
 
 // width: 4 or 8. Throws Error(Exit::render_failed) if Embree cannot build it. An empty scene gives one node without children.
+// All cores build; the arrays are the same for any number of them.
 Bvh build_bvh(const Scene& scene, int width);
 
 }  // namespace oclair

@@ -1,6 +1,9 @@
 #include "frame.h"
 
 #include <cmath>
+#include <mutex>
+
+#include "parallel.h"
 
 namespace oclair {
 
@@ -40,8 +43,16 @@ CanonicalFrame canonical_frame(const World& world) {
   Bounds bounds;
   for (const WorldShape& shape : world.shapes) {
     if (shape.geometry == Geometry::mesh) {
-      for (const glm::uvec3& triangle : shape.mesh.triangles)
-        for (int i = 0; i < 3; ++i) bounds.include(shape.mesh.positions[triangle[i]]);
+      const Mesh& mesh = shape.mesh;
+      std::mutex mutex;
+      parallel_pieces(mesh.triangles.size(), [&](std::size_t first, std::size_t end) {
+        Bounds piece;
+        for (std::size_t i = first; i < end; ++i)
+          for (int k = 0; k < 3; ++k) piece.include(mesh.positions[mesh.triangles[i][k]]);
+        const std::lock_guard lock(mutex);
+        bounds.include(piece.low);
+        bounds.include(piece.high);
+      });
     } else {
       const Bounds box = quadric_bounds(shape.geometry, shape.to_world);
       bounds.include(box.low);
@@ -50,7 +61,7 @@ CanonicalFrame canonical_frame(const World& world) {
   }
   CanonicalFrame frame;
   if (bounds.empty()) return frame;
-  frame.center = 0.5 * bounds.low + 0.5 * bounds.high;
+  frame.center = 0.5 * bounds.low + 0.5 * bounds.high + 0.0;  // never -0, whichever zero was met first
   const glm::dvec3 half = 0.5 * bounds.high - 0.5 * bounds.low;
   const double largest = std::max(half.x, std::max(half.y, half.z));
   if (largest > 0.0) std::frexp(largest, &frame.exponent);  // largest < 2^exponent <= 2 largest

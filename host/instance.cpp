@@ -21,8 +21,8 @@ bool mirrors(const glm::dmat4& matrix) {
 
 Mesh moved(const Mesh& mesh, const glm::dmat4& matrix) {
   const bool flat = mesh.normals.empty();
-  const ObjectMesh source{mesh.positions, mesh.normals, mesh.uvs, mesh.triangles, mesh.attributes, 0};
-  Mesh result = to_world(source, {.to_world = matrix, .face_normals = flat, .flip_normals = false});
+  ObjectMesh source{mesh.positions, mesh.normals, mesh.uvs, mesh.triangles, mesh.attributes, 0};
+  Mesh result = to_world(std::move(source), {.to_world = matrix, .face_normals = flat, .flip_normals = false});
   if (flat && mirrors(matrix))
     for (glm::uvec3& t : result.triangles) std::swap(t.y, t.z);
   return result;

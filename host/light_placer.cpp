@@ -63,8 +63,14 @@ void LightPlacer::add_mesh(Shape& shape, const glm::dvec3& radiance, uint textur
   }
 }
 
+double LightPlacer::brightest_texel_of(uint texture) {
+  const auto [found, is_new] = brightest_texels_.try_emplace(texture);
+  if (is_new) found->second = brightest_texel(scene_, texture);
+  return found->second;
+}
+
 void LightPlacer::add_textured_mesh(Shape& shape, uint texture) {
-  const LightTexture means = light_texture(scene_, shape, texture, parts_);
+  const LightTexture means = light_texture(scene_, shape, texture, brightest_texel_of(texture), parts_);
   if (!(means.brightest > 0.0)) return;
   shape.first_light = static_cast<uint>(scene_.lights.size());
   shape.light_split = means.split;
@@ -97,7 +103,7 @@ void LightPlacer::add_quadric(Shape& shape, const glm::dvec3& radiance, uint tex
   glm::dvec3 mean = radiance;
   double brightest = largest(radiance);
   if (texture != 0 && brightest > 0.0) {
-    const LightTexture means = light_texture(scene_, quadric, texture);
+    const LightTexture means = light_texture(scene_, quadric, texture, brightest_texel_of(texture));
     mean = means.mean;
     brightest = means.brightest;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <map>
 #include <vector>
 
 #include "material_placer.h"
@@ -29,9 +30,11 @@ class LightPlacer {
   void append(const Light& light, double flux, double illumination, double brightest);
   void add_textured_mesh(Shape& shape, uint texture);
   Light triangle(uint primitive) const;
+  double brightest_texel_of(uint texture);
 
   Scene& scene_;
   std::vector<double> flux_;
+  std::map<uint, double> brightest_texels_;  // of each texture that shines
   double illumination_ = 0.0;  // irradiance at distance 1, all lights together, the largest channel
   double brightest_ = 0.0;     // radiance of an area light or of a texel around the scene
   std::size_t parts_ = 0;      // of triangles with a textured radiance

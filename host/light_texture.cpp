@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <mutex>
 
 #include "color.h"
+#include "parallel.h"
 #include "texture.h"
 
 namespace oclair {
@@ -31,15 +33,16 @@ double texels_covered(const Scene& scene, const Shape& shape, const Texture& tex
   return std::max({0.5 * std::abs(a.x * b.y - a.y * b.x), glm::length(a), glm::length(b), 1.0});
 }
 
-// At least what any point of the texture sends: interpolation stays between the texels.
-double brightest_of(const Scene& scene, const Texture& texture) {
-  if (texture.kind == TEXTURE_CHECKERBOARD) return std::max(largest(unpack(texture.color0)), largest(unpack(texture.color1)));
-  if (texture.kind != TEXTURE_BITMAP) return 0.0;
-  const Texels texels = texels_of(scene, texture);
-  double brightest = 0.0;
-  for (std::size_t i = 0; i < std::size_t{texture.width} * texture.height; ++i) brightest = std::max(brightest, largest(texels.at(i)));
-  return brightest;
-}
+// Of what several threads find.
+struct Greatest {
+  double value = 0.0;
+  std::mutex mutex;
+
+  void include(double x) {
+    const std::lock_guard lock(mutex);
+    value = std::max(value, x);
+  }
+};
 
 uint ceil_root(double x, double least, double greatest) {
   return static_cast<uint>(std::clamp(std::ceil(std::sqrt(x)), least, greatest));
@@ -47,13 +50,27 @@ uint ceil_root(double x, double least, double greatest) {
 
 }  // namespace
 
+double brightest_texel(const Scene& scene, uint reference) {
+  const Texture& texture = scene.textures[reference - 1];
+  if (texture.kind == TEXTURE_CHECKERBOARD) return std::max(largest(unpack(texture.color0)), largest(unpack(texture.color1)));
+  if (texture.kind != TEXTURE_BITMAP) return 0.0;
+  const Texels texels = texels_of(scene, texture);
+  Greatest brightest;
+  parallel_pieces(std::size_t{texture.width} * texture.height, [&](std::size_t first, std::size_t end) {
+    double piece = 0.0;
+    for (std::size_t i = first; i < end; ++i) piece = std::max(piece, largest(texels.at(i)));
+    brightest.include(piece);
+  });
+  return brightest.value;
+}
+
 TrianglePart triangle_part(uint part, uint split) {
   const uint row = static_cast<uint>(std::sqrt(part + 0.5)), j = part - row * row, k = j / 2, turned = j % 2;
   const double n = split;
   return {(row - k) / n, (k + turned) / n, (turned ? -1.0 : 1.0) / n};
 }
 
-LightTexture light_texture(const Scene& scene, const Shape& shape, uint reference, std::size_t parts) {
+LightTexture light_texture(const Scene& scene, const Shape& shape, uint reference, double brightest, std::size_t parts) {
   const Texture& texture = scene.textures[reference - 1];
   const uint end = static_cast<uint>(scene.triangles.size());
   const double triangles = end - shape.first_triangle;
@@ -68,26 +85,36 @@ LightTexture light_texture(const Scene& scene, const Shape& shape, uint referenc
   // Each part is asked at the centroids of its own m^2 parts, about twice as many as texels.
   const double samples = std::floor(std::sqrt(MAX_SAMPLES / (triangles * count)));
   const uint m = ceil_root(2.0 * texels / count, 1.0, std::clamp(samples, 1.0, 64.0));
+  Greatest sampled;
+  result.parts.resize(static_cast<std::size_t>(triangles) * count);
+  const auto mean_of_part = [&](uint primitive, uint k, double& greatest) {
+    const TrianglePart part = triangle_part(k, result.split);
+    glm::dvec3 sum(0.0);
+    for (uint s = 0; s < m * m; ++s) {
+      const TrianglePart small = triangle_part(s, m);
+      const double third = small.size / 3.0;
+      const double b1 = part.b1 + part.size * (small.b1 + third), b2 = part.b2 + part.size * (small.b2 + third);
+      const glm::dvec3 value = texture_value(scene, reference, point_on_triangle(scene, shape, primitive, b1, b2));
+      greatest = std::max(greatest, largest(value));
+      sum += value;
+    }
+    return sum / static_cast<double>(m * m);
+  };
+  parallel_pieces(result.parts.size(), [&](std::size_t first, std::size_t last) {
+    double greatest = 0.0;
+    for (std::size_t i = first; i < last; ++i)
+      result.parts[i] =
+          mean_of_part(shape.first_triangle + static_cast<uint>(i / count), static_cast<uint>(i % count), greatest);
+    sampled.include(greatest);
+  }, 256 / m);
+  result.brightest = std::max(brightest, sampled.value);
   double area = 0.0;
-  result.brightest = brightest_of(scene, texture);
-  result.parts.reserve(static_cast<std::size_t>(triangles) * count);
   for (uint i = shape.first_triangle; i < end; ++i) {
     const packed_uint3 v = scene.triangles[i];
     const glm::dvec3 p0 = unpack(scene.positions[v.x]), p1 = unpack(scene.positions[v.y]), p2 = unpack(scene.positions[v.z]);
     const double part_area = 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0)) / count;
     for (uint k = 0; k < count; ++k) {
-      const TrianglePart part = triangle_part(k, result.split);
-      glm::dvec3 sum(0.0);
-      for (uint s = 0; s < m * m; ++s) {
-        const TrianglePart small = triangle_part(s, m);
-        const double third = small.size / 3.0;
-        const double b1 = part.b1 + part.size * (small.b1 + third), b2 = part.b2 + part.size * (small.b2 + third);
-        const glm::dvec3 value = texture_value(scene, reference, point_on_triangle(scene, shape, i, b1, b2));
-        result.brightest = std::max(result.brightest, largest(value));
-        sum += value;
-      }
-      result.parts.push_back(sum / static_cast<double>(m * m));
-      result.mean += part_area * result.parts.back();
+      result.mean += part_area * result.parts[std::size_t{i - shape.first_triangle} * count + k];
       area += part_area;
     }
   }
@@ -97,19 +124,23 @@ LightTexture light_texture(const Scene& scene, const Shape& shape, uint referenc
   return result;
 }
 
-LightTexture light_texture(const Scene& scene, const Quadric& quadric, uint reference) {
+LightTexture light_texture(const Scene& scene, const Quadric& quadric, uint reference, double brightest) {
   const Texture& texture = scene.textures[reference - 1];
   LightTexture result;
-  result.brightest = brightest_of(scene, texture);
+  result.brightest = brightest;
   const glm::dvec2 n = glm::clamp(glm::ceil(2.0 * resolution(texture)), 16.0, 1024.0);
-  for (double i = 0.5; i < n.x; ++i)
-    for (double j = 0.5; j < n.y; ++j) {
-      // Uniform by area: the sphere's height, the square of the disk's radius.
-      glm::dvec2 uv = glm::dvec2(i, j) / n;
-      if (quadric.kind == QUADRIC_SPHERE) uv.y = std::acos(1.0 - 2.0 * uv.y) / glm::pi<double>();
-      if (quadric.kind == QUADRIC_DISK) uv.x = std::sqrt(uv.x);
-      result.mean += texture_value(scene, reference, {uv});
-    }
+  std::vector<glm::dvec3> columns(static_cast<std::size_t>(n.x));
+  parallel_pieces(columns.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i)
+      for (double j = 0.5; j < n.y; ++j) {
+        // Uniform by area: the sphere's height, the square of the disk's radius.
+        glm::dvec2 uv = glm::dvec2(static_cast<double>(i) + 0.5, j) / n;
+        if (quadric.kind == QUADRIC_SPHERE) uv.y = std::acos(1.0 - 2.0 * uv.y) / glm::pi<double>();
+        if (quadric.kind == QUADRIC_DISK) uv.x = std::sqrt(uv.x);
+        columns[i] += texture_value(scene, reference, {uv});
+      }
+  }, 4);
+  for (const glm::dvec3& column : columns) result.mean += column;
   result.mean /= n.x * n.y;
   if (!(largest(result.mean) > 0.0)) result.mean = glm::dvec3(result.brightest);
   return result;

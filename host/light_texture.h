@@ -25,10 +25,14 @@ struct LightTexture {
 inline constexpr uint MAX_LIGHT_SPLIT = 32;
 inline constexpr std::size_t MAX_SHAPE_PARTS = std::size_t{1} << 18, MAX_PARTS = std::size_t{1} << 20;
 
-// Of the triangles from shape.first_triangle on. `parts`: how many the lights before it have.
-LightTexture light_texture(const Scene& scene, const Shape& shape, uint texture, std::size_t parts);
+// At least what any point of a bitmap or checkerboard sends: interpolation stays between the texels. 0 of an attribute. It goes
+// through the whole image: to be asked once for each texture.
+double brightest_texel(const Scene& scene, uint texture);
+
+// Of the triangles from shape.first_triangle on. `brightest`: brightest_texel(). `parts`: how many the lights before it have.
+LightTexture light_texture(const Scene& scene, const Shape& shape, uint texture, double brightest, std::size_t parts);
 
 // Of a quadric: the mean alone.
-LightTexture light_texture(const Scene& scene, const Quadric& quadric, uint texture);
+LightTexture light_texture(const Scene& scene, const Quadric& quadric, uint texture, double brightest);
 
 }  // namespace oclair

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <stdexcept>
+#include <utility>
 
+#include "parallel.h"
 #include "transform.h"
 
 namespace oclair {
@@ -28,36 +30,53 @@ glm::dvec3 face_normal(const std::vector<glm::dvec3>& p, glm::uvec3 t) {
 // By the half-angle form of Kahan, exact for small and for flat angles.
 double angle_between(glm::dvec3 a, glm::dvec3 b) { return 2.0 * std::atan2(glm::length(a - b), glm::length(a + b)); }
 
+// The triangle's unit normal and its angles. Without an area: 0 for each.
+struct CornerAngles {
+  glm::dvec3 normal;
+  double angles[3];
+};
+
+CornerAngles corner_angles(const std::vector<glm::dvec3>& p, glm::uvec3 t) {
+  const auto a = unit_or_zero(p[t.y] - p[t.x]), b = unit_or_zero(p[t.z] - p[t.y]), c = unit_or_zero(p[t.x] - p[t.z]);
+  const auto n = unit_or_zero(glm::cross(a, -c));
+  if (n == glm::dvec3(0.0)) return {};
+  const double at_x = angle_between(a, -c), at_y = angle_between(b, -a);
+  return {n, {at_x, at_y, std::max(glm::pi<double>() - at_x - at_y, 0.0)}};
+}
+
 std::vector<glm::dvec3> smooth_normals(const Mesh& mesh) {
-  const auto& p = mesh.positions;
-  std::vector<glm::dvec3> normals(p.size(), glm::dvec3(0.0));
-  for (const auto& t : mesh.triangles) {
-    const auto a = unit_or_zero(p[t.y] - p[t.x]), b = unit_or_zero(p[t.z] - p[t.y]), c = unit_or_zero(p[t.x] - p[t.z]);
-    const auto n = unit_or_zero(glm::cross(a, -c));
-    if (n == glm::dvec3(0.0)) continue;
-    const double at_x = angle_between(a, -c), at_y = angle_between(b, -a);
-    normals[t.x] += n * at_x;
-    normals[t.y] += n * at_y;
-    normals[t.z] += n * std::max(glm::pi<double>() - at_x - at_y, 0.0);
+  const auto& triangles = mesh.triangles;
+  std::vector<glm::dvec3> normals(mesh.positions.size());
+  // All cores find the angles of a part of the mesh, one adds them up: always in the order of the triangles.
+  std::vector<CornerAngles> part(std::min<std::size_t>(triangles.size(), 1 << 16));
+  for (std::size_t first = 0; first < triangles.size(); first += part.size()) {
+    const std::size_t count = std::min(part.size(), triangles.size() - first);
+    parallel_pieces(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) part[i] = corner_angles(mesh.positions, triangles[first + i]);
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      for (int corner = 0; corner < 3; ++corner)
+        normals[triangles[first + i][corner]] += part[i].normal * part[i].angles[corner];
   }
-  for (auto& n : normals) {
-    n = unit_or_zero(n);
-    if (n == glm::dvec3(0.0))
-      n = glm::dvec3(1.0, 0.0, 0.0);  // no triangle or none with an area: never seen; Mitsuba's choice
-  }
+  parallel_pieces(normals.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      normals[i] = unit_or_zero(normals[i]);
+      if (normals[i] == glm::dvec3(0.0))
+        normals[i] = glm::dvec3(1.0, 0.0, 0.0);  // no triangle or none with an area: never seen; Mitsuba's choice
+    }
+  });
   return normals;
 }
 
-std::vector<glm::dvec3> placed(const std::vector<glm::dvec3>& positions, const glm::dmat4& matrix) {
-  std::vector<glm::dvec3> result;
-  result.reserve(positions.size());
-  for (const auto& p : positions) {
-    const auto q = transform_point(matrix, p);
-    if (!std::isfinite(q.x) || !std::isfinite(q.y) || !std::isfinite(q.z))
-      throw std::range_error("a vertex lies too far away");
-    result.push_back(q);
-  }
-  return result;
+void place(std::vector<glm::dvec3>& positions, const glm::dmat4& matrix) {
+  parallel_pieces(positions.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      auto& p = positions[i];
+      p = transform_point(matrix, p);
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        throw std::range_error("a vertex lies too far away");
+    }
+  });
 }
 
 // Squares [-1, 1]^2 of their own four vertices; x, y and the normal are directions along the axes, uv runs with x and y.
@@ -66,15 +85,14 @@ struct Square {
 };
 
 Mesh squares(const std::vector<Square>& sides, const MeshOptions& options) {
-  std::vector<glm::dvec3> positions;
   Mesh mesh;
   for (const auto& s : sides) {
-    const auto first = static_cast<std::uint32_t>(positions.size());
-    positions.insert(positions.end(), {s.center - s.x - s.y, s.center + s.x - s.y, s.center + s.x + s.y, s.center - s.x + s.y});
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), {s.center - s.x - s.y, s.center + s.x - s.y, s.center + s.x + s.y, s.center - s.x + s.y});
     mesh.uvs.insert(mesh.uvs.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     mesh.triangles.insert(mesh.triangles.end(), {{first, first + 1, first + 2}, {first + 2, first + 3, first}});
   }
-  mesh.positions = placed(positions, options.to_world);
+  place(mesh.positions, options.to_world);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     auto& t = mesh.triangles[i];
     const auto front = transform_normal(options.to_world, sides[i / 2].normal) * (options.flip_normals ? -1.0 : 1.0);
@@ -99,28 +117,34 @@ void append_polygon(ObjectMesh& mesh, std::span<const std::uint32_t> corners) {
   mesh.concave_polygons += concave;
 }
 
-Mesh to_world(const ObjectMesh& source, const MeshOptions& options) {
-  Mesh mesh{.positions = placed(source.positions, options.to_world),
-            .uvs = source.uvs,
-            .triangles = source.triangles,
-            .attributes = source.attributes};
+Mesh to_world(ObjectMesh source, const MeshOptions& options) {
+  Mesh mesh{.positions = std::move(source.positions),
+            .uvs = std::move(source.uvs),
+            .triangles = std::move(source.triangles),
+            .attributes = std::move(source.attributes)};
+  place(mesh.positions, options.to_world);
   if (!options.face_normals && source.normals.empty()) {
     mesh.normals = smooth_normals(mesh);
   } else if (!options.face_normals) {
-    mesh.normals.reserve(source.normals.size());
-    for (const auto& n : source.normals) mesh.normals.push_back(transform_normal(options.to_world, unit_or_zero(n)));
+    mesh.normals = std::move(source.normals);
+    const NormalTransform to_world(options.to_world);
+    parallel_pieces(mesh.normals.size(), [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) mesh.normals[i] = to_world(unit_or_zero(mesh.normals[i]));
+    });
   }
-  if (!mesh.normals.empty()) {
-    // Mitsuba tells the sides of a smooth mesh by the shading normal alone; here the winding is turned to agree with it.
-    for (auto& t : mesh.triangles) {
-      const auto sum = mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z];
-      if (glm::dot(face_normal(mesh.positions, t), sum) < 0.0) std::swap(t.y, t.z);
+  // Mitsuba tells the sides of a smooth mesh by the shading normal alone; here the winding is turned to agree with it.
+  const bool agree = !mesh.normals.empty();
+  parallel_pieces(agree || options.flip_normals ? mesh.triangles.size() : 0, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      auto& t = mesh.triangles[i];
+      bool turn = options.flip_normals;
+      if (agree)
+        turn ^= glm::dot(face_normal(mesh.positions, t), mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z]) < 0.0;
+      if (turn) std::swap(t.y, t.z);
     }
-  }
-  if (options.flip_normals) {
-    for (auto& t : mesh.triangles) std::swap(t.y, t.z);
+  });
+  if (options.flip_normals)
     for (auto& n : mesh.normals) n = -n;
-  }
   return mesh;
 }
 

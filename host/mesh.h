@@ -33,7 +33,7 @@ void append_polygon(ObjectMesh& mesh, std::span<const std::uint32_t> corners);
 // The mesh in world space. Without vertex normals and without face_normals, normals are computed there: the mean of the
 // normals of the adjacent triangles weighted by their angles (Thuermer and Wuethrich 1998). All three throw
 // std::range_error if a coordinate overflows.
-Mesh to_world(const ObjectMesh& mesh, const MeshOptions& options);
+Mesh to_world(ObjectMesh mesh, const MeshOptions& options);
 
 // [-1, 1]^2 at z = 0 and [-1, 1]^3, flat; the front of the rectangle is where to_world sends the normal +z, that of the cube
 // outside, whatever to_world mirrors. flip_normals turns them; face_normals changes nothing.

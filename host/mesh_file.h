@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 
+#include "buffer_vector.h"
 #include "mesh.h"
 
 namespace oclair {
@@ -34,6 +34,7 @@ ObjectMesh parse_ply(std::string_view bytes);
 ObjectMesh parse_serialized(std::string_view file, std::uint64_t shape_index);
 
 // The whole file. Throws MeshFileError.
-std::string read_mesh_file(const std::filesystem::path& file);
+BufferVector<char> read_mesh_file(const std::filesystem::path& file);
+inline std::string_view text_of(const BufferVector<char>& bytes) { return {bytes.data(), bytes.size()}; }
 
 }  // namespace oclair

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "parallel.h"
 #include "ply_reader.h"
 
 namespace oclair {
@@ -22,20 +23,20 @@ struct Attributes {
     int channel = 0;
     bool floats = true;
     for (const auto p : properties) floats &= !is_integer(element.properties[p].type);
+    if (floats) attribute.values.resize(element.count * attribute.channels);
     for (const auto p : properties)
       if (floats) target[p] = {static_cast<int>(list.size()), channel++};
     list.push_back(std::move(attribute));
   }
 
   // Of the vertex or face whose number that is.
-  void append(const std::vector<double>& values, std::uint64_t number) {
+  void set(const std::vector<double>& values, std::uint64_t number) {
     for (std::size_t p = 0; p < target.size(); ++p) {
       if (target[p].first < 0) continue;
       auto& attribute = list[static_cast<std::size_t>(target[p].first)];
       const auto value = static_cast<float>(values[p]);
       if (!std::isfinite(value))
         fail_ply("the attribute " + attribute.name.substr(0, 40) + " of number " + std::to_string(number) + " is not finite");
-      attribute.values.resize((number + 1) * attribute.channels);
       attribute.values[number * attribute.channels + static_cast<std::size_t>(target[p].second)] = value;
     }
   }
@@ -79,6 +80,28 @@ Attributes attributes_of(const PlyElement& element, const std::vector<std::size_
   return result;
 }
 
+// Bytes of an element's row, if all of its rows are as long; with `corners`, of one whose lists have that many numbers each.
+std::optional<std::size_t> row_size(const PlyReader& reader, const PlyElement& element,
+                                    std::optional<std::size_t> corners = {}) {
+  if (reader.encoding == Encoding::ascii) return std::nullopt;
+  std::size_t size = 0;
+  for (const auto& property : element.properties) {
+    if (property.count_type && !corners) return std::nullopt;
+    size += property.count_type ? size_of(*property.count_type) + *corners * size_of(property.type) : size_of(property.type);
+  }
+  return size;
+}
+
+// Rows of that many bytes, by all cores: body(reader, first, end) reads the rows from `first` on from a reader of its own.
+template <class Body>
+void read_rows(PlyReader& reader, std::size_t size, std::size_t count, const Body& body) {
+  parallel_pieces(count, [&](std::size_t first, std::size_t end) {
+    PlyReader piece{reader.rest.substr(std::min(first * size, reader.rest.size())), reader.encoding, {}};
+    body(piece, first, end);
+  });
+  reader.rest.remove_prefix(count * size);
+}
+
 void read_vertices(PlyReader& reader, const PlyElement& element, ObjectMesh& mesh) {
   constexpr std::array<const char*, 6> NAMES = {"x", "y", "z", "nx", "ny", "nz"};
   std::vector<int> target(element.properties.size(), -1);
@@ -102,72 +125,117 @@ void read_vertices(PlyReader& reader, const PlyElement& element, ObjectMesh& mes
   }
   const bool has_normals = present[3] && present[4] && present[5], has_uvs = present[6];
   auto attributes = attributes_of(element, known);
-  std::vector<double> all(element.properties.size());
-  for (std::uint64_t v = 0; v < element.count; ++v) {
-    double values[8] = {};
-    for (std::size_t i = 0; i < target.size(); ++i)
-      read_property(reader, element.properties[i], [&](double value) {
-        all[i] = value;
-        if (target[i] >= 0) values[target[i]] = value;
-      });
-    for (int i = 0; i < (has_normals ? 6 : 3); ++i)
-      if (!std::isfinite(values[i])) fail_ply("vertex " + std::to_string(v) + " is not finite");
-    mesh.positions.push_back({values[0], values[1], values[2]});
-    if (has_normals) mesh.normals.push_back({values[3], values[4], values[5]});
-    if (has_normals && mesh.normals.back() == glm::dvec3(0.0))
-      fail_ply("the normal of vertex " + std::to_string(v) + " is zero");
-    if (has_uvs) mesh.uvs.push_back({values[6], values[7]});
-    if (!std::isfinite(values[6]) || !std::isfinite(values[7]))
-      fail_ply("the texture coordinates of vertex " + std::to_string(v) + " are not finite");
-    attributes.append(all, v);
-  }
+  const std::size_t before = mesh.positions.size(), size = before + element.count;
+  mesh.positions.resize(size);
+  if (has_normals) mesh.normals.resize(size);
+  if (has_uvs) mesh.uvs.resize(size);
+  const auto read = [&](PlyReader& rows, std::size_t first, std::size_t end) {
+    std::vector<double> all(element.properties.size());
+    for (std::size_t v = first; v < end; ++v) {
+      double values[8] = {};
+      for (std::size_t i = 0; i < target.size(); ++i)
+        read_property(rows, element.properties[i], [&](double value) {
+          all[i] = value;
+          if (target[i] >= 0) values[target[i]] = value;
+        });
+      for (int i = 0; i < (has_normals ? 6 : 3); ++i)
+        if (!std::isfinite(values[i])) fail_ply("vertex " + std::to_string(v) + " is not finite");
+      mesh.positions[before + v] = {values[0], values[1], values[2]};
+      if (has_normals) mesh.normals[before + v] = {values[3], values[4], values[5]};
+      if (has_normals && mesh.normals[before + v] == glm::dvec3(0.0))
+        fail_ply("the normal of vertex " + std::to_string(v) + " is zero");
+      if (has_uvs) mesh.uvs[before + v] = {values[6], values[7]};
+      if (!std::isfinite(values[6]) || !std::isfinite(values[7]))
+        fail_ply("the texture coordinates of vertex " + std::to_string(v) + " are not finite");
+      attributes.set(all, v);
+    }
+  };
+  if (const auto row = row_size(reader, element)) read_rows(reader, *row, element.count, read);
+  else read(reader, 0, element.count);
   std::move(attributes.list.begin(), attributes.list.end(), std::back_inserter(mesh.attributes));
 }
 
-// Corners of all faces one after another, and how many each has: vertices may come later in the file.
+// Vertices may come later in the file: polygons are cut at the end.
 struct Faces {
-  std::vector<std::uint32_t> corners;
-  std::vector<std::uint32_t> sizes;
+  std::vector<glm::uvec3> triangles;      // the first faces, up to the first that is none
+  std::vector<std::uint32_t> corners;     // of the others one after another
+  std::vector<std::uint32_t> sizes;       // and how many each of them has
   std::vector<MeshAttribute> attributes;  // one value for each face
 };
 
+bool is_index_list(const PlyProperty& p) { return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index"); }
+
+// How many triangles the faces begin with, all rows of `size` bytes. 0 unless the index list is the only one.
+std::size_t leading_triangles(const PlyReader& reader, const PlyElement& element, std::size_t size) {
+  std::size_t offset = 0;
+  const PlyProperty* list = nullptr;
+  for (const auto& property : element.properties) {
+    if (property.count_type && std::exchange(list, &property)) return 0;
+    if (!list) offset += size_of(property.type);
+  }
+  const std::size_t most = std::min<std::size_t>(element.count, reader.rest.size() / size);
+  for (std::size_t f = 0; f < most; ++f) {
+    PlyReader count{reader.rest.substr(f * size + offset), reader.encoding, {}};
+    if (read_scalar(count, *list->count_type) != 3.0) return f;
+  }
+  return most;
+}
+
 void read_faces(PlyReader& reader, const PlyElement& element, std::uint64_t vertex_count, Faces& faces) {
-  const auto is_index_list = [](const PlyProperty& p) {
-    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
-  };
   if (std::count_if(element.properties.begin(), element.properties.end(), is_index_list) != 1)
     fail_ply("its faces lack a list vertex_indices");
-  if (!faces.sizes.empty()) fail_ply("it has more than one element \"face\"");
+  if (!faces.sizes.empty() || !faces.triangles.empty()) fail_ply("it has more than one element \"face\"");
   auto attributes = attributes_of(element, {});
-  std::vector<double> all(element.properties.size());
-  for (std::uint64_t f = 0; f < element.count; ++f) {
+  // Appends the corners of the next face, whose number is f; `all` is room for its properties.
+  const auto read_face = [&](PlyReader& rows, std::size_t f, std::vector<double>& all, std::vector<std::uint32_t>& corners) {
+    const std::size_t before = corners.size();
     for (std::size_t i = 0; i < all.size(); ++i) {
       const auto& property = element.properties[i];
       if (!is_index_list(property)) {
-        read_property(reader, property, [&](double value) { all[i] = value; });
+        read_property(rows, property, [&](double value) { all[i] = value; });
         continue;
       }
-      const std::size_t first = faces.corners.size();
-      read_property(reader, property, [&](double value) {
-        if (!(value >= 0.0 && value < static_cast<double>(vertex_count)) || value != std::floor(value))
+      read_property(rows, property, [&](double value) {
+        if (!(value >= 0.0 && value < static_cast<double>(vertex_count)) || value != static_cast<std::uint32_t>(value))
           fail_ply("face " + std::to_string(f) + " names a vertex that is not among the " + std::to_string(vertex_count));
-        faces.corners.push_back(static_cast<std::uint32_t>(value));
+        corners.push_back(static_cast<std::uint32_t>(value));
       });
-      faces.sizes.push_back(static_cast<std::uint32_t>(faces.corners.size() - first));
-      if (faces.sizes.back() < 3) fail_ply("face " + std::to_string(f) + " has fewer than three corners");
+      if (corners.size() - before < 3) fail_ply("face " + std::to_string(f) + " has fewer than three corners");
     }
-    attributes.append(all, f);
+    attributes.set(all, f);
+  };
+  std::size_t triangles = 0;
+  if (const auto row = row_size(reader, element, 3)) {
+    triangles = leading_triangles(reader, element, *row);
+    faces.triangles.resize(triangles);
+    read_rows(reader, *row, triangles, [&](PlyReader& rows, std::size_t first, std::size_t end) {
+      std::vector<double> all(element.properties.size());
+      std::vector<std::uint32_t> corners;
+      for (std::size_t f = first; f < end; ++f, corners.clear()) {
+        read_face(rows, f, all, corners);
+        faces.triangles[f] = {corners[0], corners[1], corners[2]};
+      }
+    });
+  }
+  std::vector<double> all(element.properties.size());
+  for (std::size_t f = triangles; f < element.count; ++f) {
+    const std::size_t before = faces.corners.size();
+    read_face(reader, f, all, faces.corners);
+    faces.sizes.push_back(static_cast<std::uint32_t>(faces.corners.size() - before));
   }
   faces.attributes = std::move(attributes.list);
 }
 
 // A polygon becomes several triangles, each of which has its attributes.
-void append_face_attributes(const Faces& faces, ObjectMesh& mesh) {
-  for (const auto& source : faces.attributes) {
-    MeshAttribute attribute{source.name, true, source.channels, {}};
-    for (std::size_t f = 0; f < faces.sizes.size() && !source.values.empty(); ++f)
+void append_face_attributes(Faces& faces, ObjectMesh& mesh) {
+  const std::size_t triangles = faces.triangles.size();
+  for (auto& attribute : faces.attributes) {
+    const std::size_t whole = std::min(triangles * attribute.channels, attribute.values.size());
+    const std::vector<float> rest(attribute.values.begin() + static_cast<std::ptrdiff_t>(whole), attribute.values.end());
+    attribute.values.resize(whole);
+    for (std::size_t f = 0; f < faces.sizes.size() && !rest.empty(); ++f)
       for (std::uint32_t i = 2; i < faces.sizes[f]; ++i)
-        for (uint c = 0; c < source.channels; ++c) attribute.values.push_back(source.values[f * source.channels + c]);
+        for (uint c = 0; c < attribute.channels; ++c) attribute.values.push_back(rest[f * attribute.channels + c]);
     mesh.attributes.push_back(std::move(attribute));
   }
 }
@@ -193,14 +261,15 @@ ObjectMesh parse_ply(std::string_view bytes) {
   }
   if (reader.encoding == Encoding::ascii && !next_word(reader.rest).empty())
     fail_ply("something follows after its last element");
-  if (faces.sizes.empty()) fail_ply("it has no faces");
+  if (faces.sizes.empty() && faces.triangles.empty()) fail_ply("it has no faces");
   if (mesh.positions.size() != vertex_count) fail_ply("it has more than one element \"vertex\"");
+  append_face_attributes(faces, mesh);
+  mesh.triangles = std::move(faces.triangles);
   const auto* corner = faces.corners.data();
   for (const auto size : faces.sizes) {
     append_polygon(mesh, {corner, size});
     corner += size;
   }
-  append_face_attributes(faces, mesh);
   return mesh;
 }
 

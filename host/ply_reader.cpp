@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "number.h"
 
@@ -19,11 +17,6 @@ std::optional<Scalar> scalar_named(std::string_view name) {
   const auto found = std::find(NAMES.begin(), NAMES.end(), name);
   if (found == NAMES.end()) return std::nullopt;
   return static_cast<Scalar>((found - NAMES.begin()) / 2);
-}
-
-std::size_t size_of(Scalar type) {
-  constexpr std::size_t SIZES[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return SIZES[static_cast<int>(type)];
 }
 
 }  // namespace
@@ -110,53 +103,14 @@ void read_header(PlyReader& reader) {
                "\"");
 }
 
-namespace {
-
-template <typename T>
-double decode(std::string_view bytes, Encoding encoding) {
-  char buffer[sizeof(T)];
-  std::memcpy(buffer, bytes.data(), sizeof(T));
-  const bool host_is_little = std::endian::native == std::endian::little;
-  if (host_is_little != (encoding == Encoding::little_endian)) std::reverse(buffer, buffer + sizeof(T));
-  T value;
-  std::memcpy(&value, buffer, sizeof(T));
-  return static_cast<double>(value);
-}
-
-}  // namespace
-
-double read_scalar(PlyReader& reader, Scalar type) {
-  if (reader.encoding == Encoding::ascii) {
-    const auto word = next_word(reader.rest);
-    if (word.empty()) fail_ply("it breaks off");
-    const auto number = parse_number(word);
-    if (!number) fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not a finite number");
-    if (is_integer(type) && *number != std::floor(*number))
-      fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not an integer");
-    return *number;
-  }
-  const auto bytes = reader.rest.substr(0, size_of(type));
-  if (bytes.size() < size_of(type)) fail_ply("it breaks off");
-  reader.rest.remove_prefix(bytes.size());
-  switch (type) {
-    case Scalar::int8:
-      return decode<std::int8_t>(bytes, reader.encoding);
-    case Scalar::uint8:
-      return decode<std::uint8_t>(bytes, reader.encoding);
-    case Scalar::int16:
-      return decode<std::int16_t>(bytes, reader.encoding);
-    case Scalar::uint16:
-      return decode<std::uint16_t>(bytes, reader.encoding);
-    case Scalar::int32:
-      return decode<std::int32_t>(bytes, reader.encoding);
-    case Scalar::uint32:
-      return decode<std::uint32_t>(bytes, reader.encoding);
-    case Scalar::float32:
-      return decode<float>(bytes, reader.encoding);
-    case Scalar::float64:
-      return decode<double>(bytes, reader.encoding);
-  }
-  fail_ply("a type is not known");
+double read_word(PlyReader& reader, Scalar type) {
+  const auto word = next_word(reader.rest);
+  if (word.empty()) fail_ply("it breaks off");
+  const auto number = parse_number(word);
+  if (!number) fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not a finite number");
+  if (is_integer(type) && *number != std::floor(*number))
+    fail_ply("\"" + std::string(word.substr(0, 40)) + "\" is not an integer");
+  return *number;
 }
 
 }  // namespace oclair

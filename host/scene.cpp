@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "light_placer.h"
 #include "material.h"
 #include "material_placer.h"
+#include "parallel.h"
 
 namespace oclair {
 namespace {
@@ -37,36 +37,62 @@ Features material_features(const Material& m) {
 
 // The triangles that can be seen. The device forms the normal from edges rounded to float32: where those are parallel, or their
 // cross product below what float32 holds, there is none.
-std::vector<uint> triangles_with_area(const std::vector<packed_float3>& positions, const Mesh& mesh, std::size_t first_position) {
+std::vector<uint> triangles_with_area(const Scene& scene, const Mesh& mesh, std::size_t first_position) {
+  BufferVector<char> has_area(mesh.triangles.size());
+  parallel_pieces(has_area.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const glm::uvec3 t = mesh.triangles[i];
+      const auto position = [&](uint vertex) { return unpack(scene.positions[first_position + vertex]); };
+      const glm::dvec3 p0 = position(t.x), p1 = position(t.y), p2 = position(t.z);
+      const glm::dvec3 normal = glm::abs(glm::cross(unpack(pack(p1 - p0)), unpack(pack(p2 - p0))));
+      has_area[i] = glm::length(glm::cross(p1 - p0, p2 - p0)) > 0.0 && largest(normal) >= std::numeric_limits<float>::min();
+    }
+  });
   std::vector<uint> faces;
-  faces.reserve(mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const glm::uvec3 t = mesh.triangles[i];
-    const glm::dvec3 p0 = unpack(positions[first_position + t.x]), p1 = unpack(positions[first_position + t.y]),
-                     p2 = unpack(positions[first_position + t.z]);
-    const glm::dvec3 normal = glm::abs(glm::cross(unpack(pack(p1 - p0)), unpack(pack(p2 - p0))));
-    if (glm::length(glm::cross(p1 - p0, p2 - p0)) > 0.0 && largest(normal) >= std::numeric_limits<float>::min())
-      faces.push_back(static_cast<uint>(i));
-  }
+  faces.reserve(has_area.size());
+  for (std::size_t i = 0; i < has_area.size(); ++i)
+    if (has_area[i]) faces.push_back(static_cast<uint>(i));
   return faces;
 }
 
 // Appends what varies with the vertices; returns where it begins, or NONE.
 template <class Out, class In, class Convert>
-uint append_vertices(std::vector<Out>& out, const std::vector<In>& in, Convert convert) {
+uint append_vertices(BufferVector<Out>& out, const std::vector<In>& in, Convert convert) {
   if (in.empty()) return NONE;
-  const uint first = static_cast<uint>(out.size());
-  std::transform(in.begin(), in.end(), std::back_inserter(out), convert);
-  return first;
+  const std::size_t before = out.size();
+  out.resize(before + in.size());
+  parallel_pieces(in.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) out[before + i] = convert(in[i]);
+  });
+  return static_cast<uint>(before);
 }
 
-void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, const WorldShape& source, uint shape_index) {
-  const Mesh& mesh = source.mesh;
-  const std::size_t first_position = scene.positions.size();
+// Scene::triangle_vertices of the triangles that are still without. first_position: of each shape, where the positions of its
+// mesh begin.
+void count_vertices_in_mesh(Scene& scene, const std::vector<uint>& first_position) {
+  const std::size_t before = scene.triangle_vertices.size();
+  scene.triangle_vertices.resize(scene.triangles.size());
+  parallel_pieces(scene.triangles.size() - before, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = before + first; i < before + end; ++i) {
+      const uint offset = first_position[scene.triangle_shape[i]];
+      const packed_uint3 v = scene.triangles[i];
+      scene.triangle_vertices[i] = {v.x - offset, v.y - offset, v.z - offset};
+    }
+  });
+}
+
+// Takes the mesh apart as it goes.
+void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source,
+              std::vector<uint>& first_positions) {
+  Mesh& mesh = source.mesh;
+  const uint shape_index = static_cast<uint>(scene.shapes.size()) - 1;
+  const uint first_position = static_cast<uint>(scene.positions.size());
+  first_positions.back() = first_position;
   if (first_position + mesh.positions.size() >= NONE || scene.triangles.size() + mesh.triangles.size() >= QUADRIC_BIT)
     throw Error(Exit::scene, source.where + ": too many triangles: expected fewer than 2^31 triangles and 2^32 vertices in all");
-  for (const glm::dvec3& p : mesh.positions) scene.positions.push_back(pack(scene.frame.place(p)));
-  const std::vector<uint> faces = triangles_with_area(scene.positions, mesh, first_position);
+  append_vertices(scene.positions, mesh.positions, [&](const glm::dvec3& p) { return pack(scene.frame.place(p)); });
+  mesh.positions = {};
+  const std::vector<uint> faces = triangles_with_area(scene, mesh, first_position);
   scene.degenerate_primitives += mesh.triangles.size() - faces.size();
   materials.begin_shape(source, faces);
 
@@ -75,18 +101,24 @@ void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, cons
   shape.material_back = materials.material(source.material_back);
   shape.first_triangle = static_cast<uint>(scene.triangles.size());
   shape.first_normal = append_vertices(scene.normals, mesh.normals, pack);
+  mesh.normals = {};
   const uint texture = materials.texture(source.radiance_texture);
   if (materials.needs_uv(source.material_front) || materials.needs_uv(source.material_back) ||
       materials.texture_needs_uv(source.radiance_texture))
     shape.first_uv = append_vertices(scene.uvs, mesh.uvs, [](const glm::dvec2& uv) {
       return std::array{static_cast<float>(uv.x), static_cast<float>(uv.y)};
     });
-  for (const uint face : faces) {
-    const glm::uvec3 t = mesh.triangles[face], v = t + glm::uvec3(static_cast<uint>(first_position));
-    scene.triangles.push_back({v.x, v.y, v.z});
-    scene.triangle_shape.push_back(shape_index);
-    scene.triangle_vertices.push_back({t.x, t.y, t.z});
-  }
+  const std::size_t before = scene.triangles.size();
+  scene.triangles.resize(before + faces.size());
+  scene.triangle_shape.resize(before + faces.size(), shape_index);
+  parallel_pieces(faces.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const glm::uvec3 v = mesh.triangles[faces[i]] + glm::uvec3(first_position);
+      scene.triangles[before + i] = {v.x, v.y, v.z};
+    }
+  });
+  mesh = {};
+  if (texture != 0) count_vertices_in_mesh(scene, first_positions);
   if (source.radiance) lights.add_mesh(shape, *source.radiance, texture);
 }
 
@@ -131,16 +163,28 @@ void add_quadric(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, c
 }
 
 void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
+  std::size_t positions = 0, normals = 0, triangles = 0;
+  for (const WorldShape& source : sources) {
+    positions += source.mesh.positions.size();
+    normals += source.mesh.normals.size();
+    triangles += source.mesh.triangles.size();
+  }
+  scene.positions.reserve(positions);
+  scene.normals.reserve(normals);
+  scene.triangles.reserve(triangles);
+  scene.triangle_shape.reserve(triangles);
+  std::vector<uint> first_positions;  // of each shape's mesh
   for (WorldShape& source : sources) {
     const uint index = static_cast<uint>(scene.shapes.size());
     scene.shapes.push_back({NONE, NONE, NONE, 1, 0, NONE, NONE});
-    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, index);
+    first_positions.push_back(0);
+    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, first_positions);
     else add_quadric(scene, lights, materials, source, index);
-    source.mesh = {};
   }
   const bool vertex_attributes = std::any_of(scene.textures.begin(), scene.textures.end(),
                                              [](const Texture& t) { return t.kind == TEXTURE_VERTEX_ATTRIBUTE; });
-  if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) scene.triangle_vertices.clear();
+  if (scene.normals.empty() && scene.uvs.empty() && !vertex_attributes) scene.triangle_vertices = {};
+  else count_vertices_in_mesh(scene, first_positions);
 }
 
 // How far the rays of an orthographic camera can go from their film positions (canonical) before any of them meets the scene,

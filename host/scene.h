@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../cl/features.h"
+#include "buffer_vector.h"
 #include "frame.h"
 #include "world.h"
 
@@ -19,17 +20,17 @@ struct Scene {
   Features features = 0;
   Approximations approximations = 0;  // that the user asked for
 
-  // Input of the BVH, which keeps what it needs of them.
-  std::vector<packed_float3> positions;
-  std::vector<packed_uint3> triangles;      // indices into positions; each has a normal in float32
+  // Input of the BVH, which keeps what it needs of them: a renderer does without.
+  BufferVector<packed_float3> positions;
+  BufferVector<packed_uint3> triangles;      // indices into positions; each has a normal in float32
   std::uint64_t degenerate_primitives = 0;  // left out
 
   std::vector<Quadric> quadrics;
   std::vector<Shape> shapes;
-  std::vector<uint> triangle_shape;
-  std::vector<packed_uint3> triangle_vertices;  // counted in the mesh; empty if nothing varies with the vertices
-  std::vector<packed_float3> normals;
-  std::vector<std::array<float, 2>> uvs;
+  BufferVector<uint> triangle_shape;
+  BufferVector<packed_uint3> triangle_vertices;  // counted in the mesh; empty if nothing varies with the vertices
+  BufferVector<packed_float3> normals;
+  BufferVector<std::array<float, 2>> uvs;
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<std::byte> texels;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "instance.h"
 #include "light_reader.h"
@@ -35,15 +36,15 @@ MeshOptions mesh_options(Element& element) {
 }
 
 ObjectMesh parse_mesh(Element& element, const std::string& file, ShapeContext& context) {
-  if (element.type == "obj") return parse_obj(read_mesh_file(file));
-  if (element.type == "ply") return parse_ply(read_mesh_file(file));
+  if (element.type == "obj") return parse_obj(text_of(read_mesh_file(file)));
+  if (element.type == "ply") return parse_ply(text_of(read_mesh_file(file)));
   constexpr std::int64_t MAX_INDEX = std::numeric_limits<std::uint32_t>::max();
   const std::int64_t shape_index = integer_property(element, "shape_index", 0, 0, MAX_INDEX);
   if (context.serialized_file != file) {
     context.serialized_bytes = read_mesh_file(file);
     context.serialized_file = file;
   }
-  return parse_serialized(context.serialized_bytes, static_cast<std::uint64_t>(shape_index));
+  return parse_serialized(text_of(context.serialized_bytes), static_cast<std::uint64_t>(shape_index));
 }
 
 Mesh mesh_from_file(const Document& document, Element& element, ShapeContext& context, World& world) {
@@ -65,7 +66,7 @@ Mesh mesh_from_file(const Document& document, Element& element, ShapeContext& co
                                " vertices have no texture coordinates, the others have; they get (0, 0)");
     if (flip_uv)
       for (auto& uv : mesh.uvs) uv.y = 1.0 - uv.y;
-    return to_world(mesh, options);
+    return to_world(std::move(mesh), options);
   } catch (const MeshFileError& error) {
     refuse(at, file + ": " + error.what());
   } catch (const std::range_error& error) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bsdf_reader.h"
+#include "buffer_vector.h"
 #include "document.h"
 #include "texture_reader.h"
 #include "world.h"
@@ -34,7 +35,8 @@ struct ShapeContext {
   std::uint64_t triangle_count = 0, quadric_count = 0;
   std::map<std::uint32_t, ShapeGroup> groups;            // by element
   std::vector<ShapeInstance> instances;                  // all are counted before the first is copied
-  std::string serialized_file, serialized_bytes;         // the last one: it may hold many shapes
+  std::string serialized_file;                           // the last one: it may hold many shapes
+  BufferVector<char> serialized_bytes;
 };
 
 // Appends the shape, its materials and its warnings to the world. Throws Error(Exit::scene).

@@ -29,7 +29,7 @@ Image parse_image(std::string_view bytes) {
 
 Image read_texture_file(const std::filesystem::path& file) {
   try {
-    return parse_image(read_mesh_file(file));
+    return parse_image(text_of(read_mesh_file(file)));
   } catch (const MeshFileError& error) {
     throw TextureFileError(error.what());
   }

@@ -62,15 +62,21 @@ glm::dvec3 transform_point(const glm::dmat4& matrix, glm::dvec3 point) {
 
 glm::dvec3 transform_vector(const glm::dmat4& matrix, glm::dvec3 vector) { return glm::dmat3(matrix) * vector; }
 
-glm::dvec3 transform_normal(const glm::dmat4& matrix, glm::dvec3 normal) {
-  // The inverse transpose by cofactors of the unit columns: neither tiny nor huge scales leave the range.
+NormalTransform::NormalTransform(const glm::dmat4& matrix) {
   const glm::dmat3 m(matrix);
-  const glm::dvec3 lengths(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
-  const glm::dvec3 x = m[0] / lengths.x, y = m[1] / lengths.y, z = m[2] / lengths.z;
-  const glm::dvec3 weights = normal / lengths * std::min({lengths.x, lengths.y, lengths.z});
-  const glm::dvec3 result = glm::cross(y, z) * weights.x + glm::cross(z, x) * weights.y + glm::cross(x, y) * weights.z;
-  return glm::normalize(glm::dot(glm::cross(x, y), z) < 0.0 ? -result : result);
+  lengths_ = {glm::length(m[0]), glm::length(m[1]), glm::length(m[2])};
+  const glm::dvec3 x = m[0] / lengths_.x, y = m[1] / lengths_.y, z = m[2] / lengths_.z;
+  cofactors_ = {glm::cross(y, z), glm::cross(z, x), glm::cross(x, y)};
+  mirrors_ = glm::dot(cofactors_[2], z) < 0.0;
 }
+
+glm::dvec3 NormalTransform::operator()(glm::dvec3 normal) const {
+  const glm::dvec3 weights = normal / lengths_ * std::min({lengths_.x, lengths_.y, lengths_.z});
+  const glm::dvec3 result = cofactors_[0] * weights.x + cofactors_[1] * weights.y + cofactors_[2] * weights.z;
+  return glm::normalize(mirrors_ ? -result : result);
+}
+
+glm::dvec3 transform_normal(const glm::dmat4& matrix, glm::dvec3 normal) { return NormalTransform(matrix)(normal); }
 
 bool is_invertible(const glm::dmat4& matrix) {
   const glm::dmat3 m(matrix);

@@ -22,6 +22,18 @@ std::optional<glm::dmat4> look_at(glm::dvec3 origin, glm::dvec3 target, glm::dve
 // Revisited", listing 3.
 glm::dmat3 frame_around(glm::dvec3 z);
 
+// Where the normals of a surface go, as unit vectors: by the inverse transpose of an invertible matrix.
+class NormalTransform {
+ public:
+  explicit NormalTransform(const glm::dmat4& matrix);
+  glm::dvec3 operator()(glm::dvec3 normal) const;
+
+ private:
+  glm::dmat3 cofactors_;  // of the unit columns: neither tiny nor huge scales leave the range
+  glm::dvec3 lengths_;    // of the columns
+  bool mirrors_;
+};
+
 // Where points, directions and normals go. The normal comes back as a unit vector; `matrix` must be invertible.
 glm::dvec3 transform_point(const glm::dmat4& matrix, glm::dvec3 point);
 glm::dvec3 transform_vector(const glm::dmat4& matrix, glm::dvec3 vector);

@@ -8,9 +8,9 @@
 namespace oclair {
 namespace {
 
-template <class T>
-BufferPlan plan_of(const char* name, const std::vector<T>& values) {
-  return {name, values.data(), values.size() * sizeof(T)};
+template <class Values>
+BufferPlan plan_of(const char* name, const Values& values) {
+  return {name, values.data(), values.size() * sizeof(values[0])};
 }
 
 std::size_t pixels(const Settings& settings) { return std::size_t{settings.crop_width} * settings.crop_height; }
@@ -63,11 +63,12 @@ void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std
 }
 
 std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan) {
+  const bool shared = device.device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>();
+  const cl_mem_flags flags = CL_MEM_READ_ONLY | (shared ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR);
   std::vector<cl::Buffer> buffers;
   for (const BufferPlan& buffer : plan)
     buffers.push_back(buffer.bytes == 0 ? cl::Buffer()
-                                        : cl::Buffer(device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, buffer.bytes,
-                                                     const_cast<void*>(buffer.data)));
+                                        : cl::Buffer(device.context, flags, buffer.bytes, const_cast<void*>(buffer.data)));
   return buffers;
 }
 

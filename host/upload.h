@@ -28,6 +28,7 @@ std::size_t moment_bytes(const Scene& scene);
 // Throws Error(Exit::device) if a buffer exceeds what the device allocates at once, or all of them its memory.
 void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments);
 
+// A device that shares the host's memory reads the plan's arrays where they lie: these must outlive the buffers.
 std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan);
 
 // Sets the kernel's first arguments to the buffers; returns the index of the next argument.

@@ -48,8 +48,8 @@ World everything(int power, const glm::dvec3& shift) {
   return world;
 }
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
+template <class T, class Allocator>
+bool same(const std::vector<T, Allocator>& a, const std::vector<T, Allocator>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 

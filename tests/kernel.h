@@ -56,13 +56,13 @@ inline cl::Program& program(const std::string& file, const KernelOptions& option
 namespace detail {
 template <class T>
 struct Buffered : std::false_type {};
-template <class T>
-struct Buffered<std::vector<T>> : std::true_type {};
+template <class T, class Allocator>
+struct Buffered<std::vector<T, Allocator>> : std::true_type {};
 template <class T>
 struct Buffered<Out<T>> : std::true_type {};
 
-template <class T>
-const std::vector<T>& content(const std::vector<T>& values) {
+template <class T, class Allocator>
+const std::vector<T, Allocator>& content(const std::vector<T, Allocator>& values) {
   return values;
 }
 template <class T>
@@ -83,8 +83,8 @@ void bind(cl::Kernel& kernel, cl_uint index, std::vector<cl::Buffer>& buffers, c
   }
 }
 
-template <class T>
-void fetch(const cl::Buffer*& buffer, const std::vector<T>&) {
+template <class T, class Allocator>
+void fetch(const cl::Buffer*& buffer, const std::vector<T, Allocator>&) {
   ++buffer;
 }
 template <class T>

@@ -229,7 +229,7 @@ TEST(render_command_test, info_says_what_the_scene_requires) {
   const ProgramResult result = run_oclair({"info", (scenes / "cornell-boxes.xml").string()});
   EXPECT_EQ(result.exit, 0) << result.err;
   for (const char* line : {"triangles           36", "lights              2", "DIFFUSE:", "TRIANGLES:", "TRIANGLE_LIGHTS:", "render in path.cl",
-                           "nodes:", "triangle blocks:", "film: 16.0 MiB", "memory "})
+                           "nodes:", "triangle blocks:", "film: 16.0 MiB", "memory ", "per triangle "})
     EXPECT_NE(result.out.find(line), std::string::npos) << line << " is missing in\n" << result.out;
   for (const char* absent : {"MIRROR:", "SPHERES:", "normals:", "quadrics:", "moments:"})
     EXPECT_EQ(result.out.find(absent), std::string::npos) << absent;

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "../render.h"
 #include "report.h"
@@ -12,13 +14,12 @@ namespace {
 
 std::ostream& row(const std::string& name) { return std::cout << std::left << std::setw(20) << name; }
 
-void print_film(const World& world) {
+void print_film(const WorldFilm& film, std::uint64_t samples_per_pixel) {
   const char* const filters[] = {"box", "tent", "gaussian"};
-  const WorldFilm& film = world.film;
   row("film") << film.crop_width << "x" << film.crop_height;
   if (film.crop_width != film.width || film.crop_height != film.height)
     std::cout << " at " << film.crop_x << "," << film.crop_y << " of " << film.width << "x" << film.height;
-  std::cout << ", " << filters[static_cast<int>(film.filter)] << " filter, " << world.samples_per_pixel
+  std::cout << ", " << filters[static_cast<int>(film.filter)] << " filter, " << samples_per_pixel
             << " samples per pixel\n";
 }
 
@@ -39,18 +40,30 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
     sum += buffer.bytes;
   }
   row("memory") << format_bytes(sum) << " on the device\n";
+  // What a triangle costs: its share of the tree, of the leaves and of what shading asks for. Lights, textures are the scene's.
+  constexpr const char* OF_TRIANGLES[] = {"nodes",   "triangle blocks",    "triangle shapes", "triangle vertices",
+                                          "normals", "texture coordinates"};
+  std::size_t geometry = 0;
+  for (const char* const name : OF_TRIANGLES)
+    geometry += std::find_if(buffers.begin(), buffers.end(), [&](const BufferPlan& b) { return b.name == name; })->bytes;
+  if (!scene.triangles.empty())
+    row("per triangle") << std::fixed << std::setprecision(1)
+                        << static_cast<double>(geometry) / static_cast<double>(scene.triangles.size())
+                        << " bytes of nodes, blocks and what shading reads\n";
 }
 
 }  // namespace
 
 Exit info(const InfoOptions& options) {
   const Device device = open_device(options.device);
-  const World world = read_scene(options.scene, options.definitions);
+  World world = read_scene(options.scene, options.definitions);
   print_warnings(world, std::cerr);
-  const Scene scene = place_scene(world);
+  const WorldFilm film = world.film;
+  const std::uint64_t samples_per_pixel = world.samples_per_pixel;
+  const Scene scene = place_scene(std::move(world));
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   row("scene") << options.scene.string() << "\n";
-  print_film(world);
+  print_film(film, samples_per_pixel);
   row("triangles") << scene.triangles.size() << "\n";
   if (scene.degenerate_primitives > 0) row("left out") << scene.degenerate_primitives << " primitives without area\n";
   row("quadrics") << scene.quadrics.size() << "\n";

@@ -133,6 +133,8 @@ Exit render(const RenderOptions& options) {
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
   const Bvh bvh = build_bvh(scene, device.bvh_width);
+  scene.positions = {};
+  scene.triangles = {};
   progress.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh);
   progress.begin("passes");

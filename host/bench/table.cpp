@@ -1,0 +1,95 @@
+#include "table.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "../error.h"
+
+namespace oclair::bench {
+namespace {
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string padded(std::string text, std::size_t width, bool right = false) {
+  if (text.size() < width) text.insert(right ? 0 : text.size(), width - text.size(), ' ');
+  return text;
+}
+
+std::string value_text(const std::optional<double>& value) { return value ? formatted("%.4g", *value) : ""; }
+
+std::string ratio_text(const std::optional<Spread>& ratio) {
+  return ratio ? formatted("%.3f", ratio->median) + " (" + formatted("%.3f", ratio->least) + "-" + formatted("%.3f", ratio->most) + ")"
+               : "";
+}
+
+}  // namespace
+
+std::optional<Target> target_of(const std::string& name) {
+  const auto found = std::find_if(std::begin(targets), std::end(targets), [&](const Target& t) { return name == t.name; });
+  if (found == std::end(targets)) return std::nullopt;
+  return *found;
+}
+
+bool met(const Target& target, double figure) { return target.at_least ? figure >= target.value : figure <= target.value; }
+
+std::optional<double> figure_of(const Row& row) { return row.ratio ? std::optional(row.ratio->median) : row.ours; }
+
+void Table::setting(const std::string& name, const std::string& value) {
+  settings_.emplace_back(name, value);
+  out_ << padded(name, 12) << value << std::endl;
+}
+
+void Table::heading(const std::string& text) {
+  out_ << "\n" << text << "\n"
+       << padded("", 46) << padded("ours", 10, true) << padded("peer", 10, true) << "  " << padded("unit", 10)
+       << padded("ratio, median (range)", 24) << "target" << std::endl;
+}
+
+void Table::note(const std::string& text) {
+  notes_.push_back(text);
+  out_ << text << std::endl;
+}
+
+void Table::add(Row row) {
+  out_ << padded(row.name, 46) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true) << "  "
+       << padded(row.unit, 10) << padded(ratio_text(row.ratio), 24);
+  if (const auto target = target_of(row.name))
+    out_ << (target->at_least ? ">= " : "<= ") << formatted("%.2f", target->value)
+         << (met(*target, figure_of(row).value()) ? "  met" : "  NOT met");
+  out_ << std::endl;
+  rows_.push_back(std::move(row));
+}
+
+std::string Table::json() const {
+  nlohmann::ordered_json document;
+  document["settings"] = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : settings_) document["settings"][name] = value;
+  document["rows"] = nlohmann::ordered_json::array();
+  for (const Row& row : rows_) {
+    nlohmann::ordered_json entry{{"name", row.name}, {"unit", row.unit}};
+    if (row.ours) entry["ours"] = *row.ours;
+    if (row.peer) entry["peer"] = *row.peer;
+    if (row.ratio) entry["ratio"] = {{"median", row.ratio->median}, {"least", row.ratio->least}, {"most", row.ratio->most}};
+    if (const auto target = target_of(row.name))
+      entry["target"] = {{target->at_least ? "at_least" : "at_most", target->value}, {"met", met(*target, figure_of(row).value())}};
+    document["rows"].push_back(std::move(entry));
+  }
+  document["notes"] = notes_;
+  return document.dump(2);
+}
+
+void Table::write_json(const std::filesystem::path& file) const {
+  std::ofstream stream(file);
+  stream << json() << "\n";
+  if (!stream.flush()) throw Error(Exit::render_failed, file.string() + ": cannot be written, expected a file in a writable directory");
+}
+
+}  // namespace oclair::bench

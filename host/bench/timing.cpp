@@ -1,0 +1,42 @@
+#include "timing.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+
+namespace oclair::bench {
+
+Spread spread_of(std::vector<double> values) {
+  assert(!values.empty());
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return {0.5 * (values[(n - 1) / 2] + values[n / 2]), values.front(), values.back()};
+}
+
+double seconds_of(const std::function<void()>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<Seconds> measure(const std::vector<Contender>& contenders, unsigned rounds) {
+  std::vector<Seconds> seconds(contenders.size());
+  for (unsigned round = 0; round <= rounds; ++round) {
+    for (std::size_t i = 0; i < contenders.size(); ++i) {
+      const std::size_t turn = round % 2 ? contenders.size() - 1 - i : i;
+      const Contender& contender = contenders[turn];
+      if (contender.prepare) contender.prepare();
+      const double taken = seconds_of(contender.run);
+      if (round > 0) seconds[turn].push_back(taken);
+    }
+  }
+  return seconds;
+}
+
+Spread ratio_of(const Seconds& a, const Seconds& b) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < a.size(); ++i) ratios.push_back(a[i] / b[i]);
+  return spread_of(ratios);
+}
+
+}  // namespace oclair::bench

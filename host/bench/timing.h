@@ -1,0 +1,30 @@
+// Contenders measured in turn, so that what the machine does meanwhile meets all of them; ratios are formed within a round.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace oclair::bench {
+
+struct Contender {
+  std::function<void()> prepare;  // before each run, not timed; may be empty
+  std::function<void()> run;
+};
+
+struct Spread {
+  double median, least, most;
+};
+
+Spread spread_of(std::vector<double> values);
+
+using Seconds = std::vector<double>;  // a round each
+
+// One warm-up, then `rounds` times all contenders, the order reversed in every second round. Seconds of each contender.
+std::vector<Seconds> measure(const std::vector<Contender>& contenders, unsigned rounds);
+
+// Of a's seconds to b's, round by round.
+Spread ratio_of(const Seconds& a, const Seconds& b);
+
+double seconds_of(const std::function<void()>& run);
+
+}  // namespace oclair::bench

@@ -1,0 +1,148 @@
+// Rays per second of our traversal against Embree's, on the same triangles and rays, in one thread.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "../bvh.h"
+#include "../error.h"
+#include "bench.h"
+#include "embree_peer.h"
+#include "machine.h"
+#include "our_traversal.h"
+#include "terrain.h"
+
+namespace oclair::bench {
+namespace {
+
+struct Subject {
+  std::string name;
+  Scene scene;
+};
+
+// Only what Embree is given too: the triangles, in the canonical frame.
+Scene triangles_of(Scene scene) {
+  scene.quadrics.clear();
+  scene.features = FEATURE_TRIANGLES;
+  return scene;
+}
+
+std::string short_count(std::size_t count) {
+  char text[32];
+  if (count >= 999500) std::snprintf(text, sizeof text, "%.3gM", static_cast<double>(count) * 1e-6);
+  else if (count >= 1000) std::snprintf(text, sizeof text, "%.3gk", static_cast<double>(count) * 1e-3);
+  else std::snprintf(text, sizeof text, "%zu", count);
+  return text;
+}
+
+std::vector<Subject> subjects_of(const Options& options) {
+  std::vector<Subject> subjects;
+  if (options.scene) {
+    subjects.push_back({options.scene->stem().string(), triangles_of(place_scene(read_scene(*options.scene, options.definitions)))});
+    if (subjects.back().scene.triangles.empty())
+      throw Error(Exit::scene, options.scene->string() + ": has no triangles; expected some to trace rays through");
+    return subjects;
+  }
+  const auto add = [&](const std::string& name, Mesh mesh) {
+    subjects.push_back({name, triangles_of(place_scene(world_of(std::move(mesh))))});
+  };
+  if (options.triangles) {
+    add(short_count(*options.triangles), terrain(*options.triangles));
+    return subjects;
+  }
+  add("70k", terrain(70'000));
+  add("1.3M", terrain(1'300'000));
+  add("sticks 200k", sticks(200'000));
+  return subjects;
+}
+
+struct Peers {
+  EmbreePeer plain, robust;
+  explicit Peers(const Scene& scene) : plain(scene, false, "threads=1"), robust(scene, true, "threads=1") {
+    plain.commit();
+    robust.commit();
+  }
+};
+
+// Of hits that name another triangle, those at another distance are wrong; the others lie on an edge that both triangles have.
+void report_agreement(const std::string& name, const RaySet& set, OurTraversal& ours, SingleRays& singles, RTCScene robust,
+                      Table& table) {
+  std::size_t missed = 0, other_triangle = 0, other_distance = 0;
+  singles.reset();
+  ours.run(set.any_hit);
+  if (set.any_hit) {
+    const std::vector<cl_uint> blocked = ours.blocked();
+    singles.any(robust);
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < set.rays.size(); ++i) differ += (blocked[i] != 0) != singles.blocked(i);
+    table.note("  " + name + ": " + std::to_string(differ) + " of " + std::to_string(set.rays.size()) +
+               " rays are answered otherwise than by Embree robust");
+    return;
+  }
+  const std::vector<Hit> hits = ours.hits();
+  singles.closest(robust);
+  for (std::size_t i = 0; i < set.rays.size(); ++i) {
+    const Hit theirs = singles.hit(i);
+    missed += hits[i].primitive == NONE;
+    if (hits[i].primitive == theirs.primitive) continue;
+    ++other_triangle;
+    other_distance += !(std::abs(hits[i].t - theirs.t) <= 1e-5f);
+  }
+  table.note("  " + name + ": " + std::to_string(missed) + " of " + std::to_string(set.rays.size()) + " rays miss; " +
+             std::to_string(other_triangle) + " hit another triangle than with Embree robust, " + std::to_string(other_distance) +
+             " of them at another distance");
+}
+
+void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peers& peers, unsigned rounds, Table& table) {
+  ours.load(set.rays);
+  SingleRays singles(set.rays);
+  PacketRays packets(set.rays, set.coherent);
+  const bool any = set.any_hit;
+  const auto single = [&](RTCScene scene) {
+    return Contender{[&] { singles.reset(); }, [&, scene] {
+                       const FlushDenormals flush;
+                       any ? singles.any(scene) : singles.closest(scene);
+                     }};
+  };
+  const auto packet = [&](RTCScene scene) {
+    return Contender{[&] { packets.reset(); }, [&, scene] {
+                       const FlushDenormals flush;
+                       any ? packets.any(scene) : packets.closest(scene);
+                     }};
+  };
+  const std::vector<Seconds> seconds =
+      measure({{{}, [&] { ours.run(any); }}, single(peers.plain.scene()), single(peers.robust.scene()), packet(peers.plain.scene())},
+              rounds);
+  const std::string query = any ? "rtcOccluded" : "rtcIntersect";
+  const std::string name = subject.name + " " + set.name + (any ? " any" : " closest");
+  const std::string names[] = {query + "1", query + "1 robust", query + "8" + (set.coherent ? " coherent" : "")};
+  const auto rate = [&](const Seconds& s) { return static_cast<double>(set.rays.size()) * 1e-6 / spread_of(s).median; };
+  for (std::size_t peer = 0; peer < std::size(names); ++peer)
+    table.add({name + ": " + names[peer], "Mrays/s", rate(seconds[0]), rate(seconds[peer + 1]), ratio_of(seconds[peer + 1], seconds[0])});
+  report_agreement(name, set, ours, singles, peers.robust.scene(), table);
+}
+
+}  // namespace
+
+void bench_traversal(const Options& options, Table& table) {
+  use_one_core();
+  const Device device = open_device(options.device);
+  for (const Subject& subject : subjects_of(options)) {
+    const Bvh bvh = build_bvh(subject.scene, device.bvh_width);
+    OurTraversal ours(device, subject.scene, bvh);
+    Peers peers(subject.scene);
+    const auto trace = [&](const std::vector<Ray>& rays) {
+      SingleRays singles(rays);
+      singles.reset();
+      singles.closest(peers.robust.scene());
+      std::vector<Hit> hits(rays.size());
+      for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = singles.hit(i);
+      return hits;
+    };
+    table.heading("traversal, " + subject.name + ": " + std::to_string(subject.scene.triangles.size()) + " triangles, BVH of width " +
+                  std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
+    for (const RaySet& set : ray_sets(subject.scene, trace))
+      if (!set.rays.empty()) compare(subject, set, ours, peers, options.rounds, table);
+  }
+}
+
+}  // namespace oclair::bench

@@ -1,0 +1,67 @@
+#include <iostream>
+#include <memory>
+
+#include "../bench/bench.h"
+#include "../bench/embree_peer.h"
+#include "../bench/machine.h"
+#include "../bench/terrain.h"
+#include "../device.h"
+#include "options.h"
+
+namespace oclair {
+namespace {
+
+struct BenchOptions {
+  std::string part = "all";
+  bench::Options measurement;
+  std::optional<std::filesystem::path> json;
+};
+
+constexpr const char* parts[] = {"traversal"};
+
+void check_part(const std::string& part) {
+  for (const char* known : parts)
+    if (part == known) return;
+  throw Error(Exit::usage, "PART '" + part + "': expected traversal, path, build, start or all");
+}
+
+Exit run(const BenchOptions& options) {
+  bench::Table table(std::cout);
+  table.setting("machine", bench::cpu_model());
+  table.setting("load", bench::load_average());
+  table.setting("program", "oclair " OCLAIR_VERSION);
+  table.setting("Embree", bench::embree_description());
+  table.setting("rounds", std::to_string(options.measurement.rounds));
+  bench::bench_traversal(options.measurement, table);
+  if (options.json) table.write_json(*options.json);
+  return Exit::success;
+}
+
+}  // namespace
+
+Command bench_command(CLI::App& program) {
+  const auto options = std::make_shared<BenchOptions>();
+  CLI::App& line = *program.add_subcommand("bench", "Measures speed, beside Embree where it can be compared");
+  line.add_option("PART", options->part, "traversal, path, build, start or all (default)");
+  add_scene(line, options->measurement.scene, options->measurement.definitions);
+  line.add_option_function<std::string>(
+          "--triangles",
+          [options](const std::string& given) {
+            options->measurement.triangles = whole_number("--triangles", given, bench::least_triangles, 100'000'000);
+          },
+          "size of the generated mesh, without a scene")
+      ->type_name("N");
+  line.add_option_function<std::string>(
+          "--rounds",
+          [options](const std::string& given) { options->measurement.rounds = static_cast<unsigned>(whole_number("--rounds", given, 1, 1000)); },
+          "repetitions, of which the median is taken; default: 7")
+      ->type_name("N");
+  line.add_option("--json", options->json, "write the figures to a file, too")->type_name("FILE");
+  add_device(line, options->measurement.device);
+  return {&line, [options] {
+            check_part(options->part);
+            return run(*options);
+          }};
+}
+
+}  // namespace oclair

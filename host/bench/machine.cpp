@@ -16,9 +16,12 @@ std::string cpu_model() {
       model = line.substr(line.find(':') + 2);
       break;
     }
+  return model + ", " + std::to_string(core_count()) + " cores";
+}
+
+unsigned core_count() {
   cpu_set_t allowed;
-  const int cores = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 0;
-  return model + ", " + std::to_string(cores) + " cores";
+  return sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? static_cast<unsigned>(CPU_COUNT(&allowed)) : 1u;
 }
 
 std::string load_average() {

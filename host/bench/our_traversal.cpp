@@ -22,6 +22,8 @@ OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& 
   any_ = cl::Kernel(program, "any_of_rays");
 }
 
+bool OurTraversal::on_cpu() const { return (device_.device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0; }
+
 void OurTraversal::load(const std::vector<Ray>& rays) {
   count_ = rays.size();
   rays_ = cl::Buffer(device_.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count_ * sizeof(Ray), const_cast<Ray*>(rays.data()));

@@ -14,6 +14,8 @@ class OurTraversal {
   // Compiles and uploads. The device must outlive it. Throws Error(Exit::device).
   OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh);
 
+  bool on_cpu() const;  // its work is processor time of this process
+
   void load(const std::vector<Ray>& rays);
   void run(bool any_hit);  // over all rays; returns when it is done
   std::vector<Hit> hits() const;         // after run(false)

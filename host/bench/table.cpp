@@ -12,6 +12,8 @@
 namespace oclair::bench {
 namespace {
 
+constexpr std::size_t name_width = 54;
+
 std::string formatted(const char* format, double value) {
   char text[64];
   std::snprintf(text, sizeof text, format, value);
@@ -49,7 +51,7 @@ void Table::setting(const std::string& name, const std::string& value) {
 
 void Table::heading(const std::string& text) {
   out_ << "\n" << text << "\n"
-       << padded("", 46) << padded("ours", 10, true) << padded("peer", 10, true) << "  " << padded("unit", 10)
+       << padded("", name_width) << padded("ours", 10, true) << padded("peer", 10, true) << "  " << padded("unit", 10)
        << padded("ratio, median (range)", 24) << "target" << std::endl;
 }
 
@@ -59,7 +61,7 @@ void Table::note(const std::string& text) {
 }
 
 void Table::add(Row row) {
-  out_ << padded(row.name, 46) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true) << "  "
+  out_ << padded(row.name, name_width) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true) << "  "
        << padded(row.unit, 10) << padded(ratio_text(row.ratio), 24);
   if (const auto target = target_of(row.name))
     out_ << (target->at_least ? ">= " : "<= ") << formatted("%.2f", target->value)
@@ -84,6 +86,18 @@ std::string Table::json() const {
   }
   document["notes"] = notes_;
   return document.dump(2);
+}
+
+void Table::take(const std::string& json) {
+  const nlohmann::ordered_json document = nlohmann::ordered_json::parse(json);
+  for (const auto& entry : document["rows"]) {
+    Row row{entry["name"], entry["unit"], {}, {}, {}};
+    if (entry.contains("ours")) row.ours = entry["ours"];
+    if (entry.contains("peer")) row.peer = entry["peer"];
+    if (entry.contains("ratio")) row.ratio = Spread{entry["ratio"]["median"], entry["ratio"]["least"], entry["ratio"]["most"]};
+    rows_.push_back(std::move(row));
+  }
+  for (const auto& note : document["notes"]) notes_.push_back(note);
 }
 
 void Table::write_json(const std::filesystem::path& file) const {

@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "../color.h"
+#include "../frame.h"
 #include "random.h"
 
 namespace oclair::bench {
@@ -119,7 +121,7 @@ void add_boulder(Mesh& mesh, const glm::dvec3& center, double radius, std::size_
 
 // The largest n for which count(n) is at most `most`.
 template <class Count>
-std::size_t largest(std::size_t most, std::size_t least, Count count) {
+std::size_t largest_number(std::size_t most, std::size_t least, Count count) {
   std::size_t n = least;
   while (count(n + 1) <= most) ++n;
   return n;
@@ -133,15 +135,15 @@ Mesh terrain(std::size_t triangles) {
   // Half of the triangles are boulders, if that is enough for them to be round.
   const std::size_t share = triangles / 2 / boulders;
   if (share >= boulder_triangles(3)) {
-    const std::size_t stacks = largest(share, 3, boulder_triangles);
+    const std::size_t stacks = largest_number(share, 3, boulder_triangles);
     for (std::size_t i = 0; i < boulders; ++i) {
       const double x = 1.7 * random_unit(i, 0) - 0.85, z = 1.7 * random_unit(i, 1) - 0.85, radius = 0.03 + 0.09 * random_unit(i, 2);
       add_boulder(mesh, {x, height(x, z) + 0.6 * radius, z}, radius, stacks);
     }
   }
   const std::size_t rest = triangles - mesh.triangles.size();
-  const std::size_t nx = largest(rest, 1, [](std::size_t n) { return hill_triangles(n, n); });
-  const std::size_t nz = largest(rest, nx, [nx](std::size_t n) { return hill_triangles(nx, n); });
+  const std::size_t nx = largest_number(rest, 1, [](std::size_t n) { return hill_triangles(n, n); });
+  const std::size_t nz = largest_number(rest, nx, [nx](std::size_t n) { return hill_triangles(nx, n); });
   add_hills(mesh, nx, nz, (rest - hill_triangles(nx, nz)) / 2);
   return mesh;
 }
@@ -168,6 +170,19 @@ Mesh sticks(std::size_t triangles) {
     add_triangle(mesh, first, first + 3, first + 1);
     add_triangle(mesh, first + 1, first + 3, first + 2);
   }
+  return mesh;
+}
+
+Mesh in_box(Mesh mesh) {
+  Bounds bounds;
+  for (const glm::dvec3& p : mesh.positions) bounds.include(p);
+  const glm::dvec3 size = bounds.high - bounds.low, middle = 0.5 * (bounds.low + bounds.high);
+  const double scale = 1.4 / largest(size);
+  for (glm::dvec3& p : mesh.positions) p = scale * (p - middle) + glm::dvec3(0.0, 0.5 * scale * size.y - 0.99, 0.0);
+  mesh.normals.clear();
+  mesh.uvs.clear();
+  mesh.attributes.clear();
+  add_box(mesh);
   return mesh;
 }
 

@@ -16,6 +16,9 @@ Mesh terrain(std::size_t triangles);
 // Thin sticks, tetrahedra of 0.25 x 0.004, in the same box: `triangles` of them, rounded down to a multiple of 4.
 Mesh sticks(std::size_t triangles);
 
+// The mesh, moved and scaled to stand on the floor of that box, 1.4 high or wide at most.
+Mesh in_box(Mesh mesh);
+
 // The mesh, grey on both sides, under a square light, seen by a pinhole camera inside the box, 512x512.
 World world_of(Mesh mesh);
 

@@ -1,8 +1,11 @@
 #include "timing.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <utility>
 
 namespace oclair::bench {
 
@@ -19,6 +22,23 @@ double seconds_of(const std::function<void()>& run) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+std::function<double()> timed(std::function<void()> run) {
+  return [run = std::move(run)] { return seconds_of(run); };
+}
+
+std::function<double()> timed_on_cpu(std::function<void()> run) {
+  return [run = std::move(run)] {
+    const auto now = [] {
+      timespec t;
+      clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+      return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    };
+    const double start = now();
+    run();
+    return now() - start;
+  };
+}
+
 std::vector<Seconds> measure(const std::vector<Contender>& contenders, unsigned rounds) {
   std::vector<Seconds> seconds(contenders.size());
   for (unsigned round = 0; round <= rounds; ++round) {
@@ -26,7 +46,7 @@ std::vector<Seconds> measure(const std::vector<Contender>& contenders, unsigned 
       const std::size_t turn = round % 2 ? contenders.size() - 1 - i : i;
       const Contender& contender = contenders[turn];
       if (contender.prepare) contender.prepare();
-      const double taken = seconds_of(contender.run);
+      const double taken = contender.run();
       if (round > 0) seconds[turn].push_back(taken);
     }
   }

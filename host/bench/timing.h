@@ -8,7 +8,7 @@ namespace oclair::bench {
 
 struct Contender {
   std::function<void()> prepare;  // before each run, not timed; may be empty
-  std::function<void()> run;
+  std::function<double()> run;    // returns its seconds: `timed` or `timed_on_cpu` of what it does
 };
 
 struct Spread {
@@ -26,5 +26,9 @@ std::vector<Seconds> measure(const std::vector<Contender>& contenders, unsigned 
 Spread ratio_of(const Seconds& a, const Seconds& b);
 
 double seconds_of(const std::function<void()>& run);
+std::function<double()> timed(std::function<void()> run);
+
+// Processor time of all threads of this process: what others do on the machine costs nothing but cache.
+std::function<double()> timed_on_cpu(std::function<void()> run);
 
 }  // namespace oclair::bench

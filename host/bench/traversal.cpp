@@ -9,6 +9,7 @@
 #include "embree_peer.h"
 #include "machine.h"
 #include "our_traversal.h"
+#include "scan.h"
 #include "terrain.h"
 
 namespace oclair::bench {
@@ -34,7 +35,7 @@ std::string short_count(std::size_t count) {
   return text;
 }
 
-std::vector<Subject> subjects_of(const Options& options) {
+std::vector<Subject> subjects_of(const Options& options, Table& table) {
   std::vector<Subject> subjects;
   if (options.scene) {
     subjects.push_back({options.scene->stem().string(), triangles_of(place_scene(read_scene(*options.scene, options.definitions)))});
@@ -52,6 +53,8 @@ std::vector<Subject> subjects_of(const Options& options) {
   add("70k", terrain(70'000));
   add("1.3M", terrain(1'300'000));
   add("sticks 200k", sticks(200'000));
+  if (auto bunny = scan()) add("bunny", in_box(std::move(*bunny)));
+  else table.note(std::string("bunny: left out, ") + scan_file + " is absent (Debian's package glmark2-data)");
   return subjects;
 }
 
@@ -62,6 +65,15 @@ struct Peers {
     robust.commit();
   }
 };
+
+std::vector<Hit> traced(const std::vector<Ray>& rays, RTCScene scene) {
+  SingleRays singles(rays);
+  singles.reset();
+  singles.closest(scene);
+  std::vector<Hit> hits(rays.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = singles.hit(i);
+  return hits;
+}
 
 // Of hits that name another triangle, those at another distance are wrong; the others lie on an edge that both triangles have.
 void report_agreement(const std::string& name, const RaySet& set, OurTraversal& ours, SingleRays& singles, RTCScene robust,
@@ -98,20 +110,21 @@ void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peer
   PacketRays packets(set.rays, set.coherent);
   const bool any = set.any_hit;
   const auto single = [&](RTCScene scene) {
-    return Contender{[&] { singles.reset(); }, [&, scene] {
+    return Contender{[&] { singles.reset(); }, timed_on_cpu([&, scene] {
                        const FlushDenormals flush;
                        any ? singles.any(scene) : singles.closest(scene);
-                     }};
+                     })};
   };
   const auto packet = [&](RTCScene scene) {
-    return Contender{[&] { packets.reset(); }, [&, scene] {
+    return Contender{[&] { packets.reset(); }, timed_on_cpu([&, scene] {
                        const FlushDenormals flush;
                        any ? packets.any(scene) : packets.closest(scene);
-                     }};
+                     })};
   };
+  const auto run = [&] { ours.run(any); };
+  const Contender ours_timed{{}, ours.on_cpu() ? timed_on_cpu(run) : timed(run)};
   const std::vector<Seconds> seconds =
-      measure({{{}, [&] { ours.run(any); }}, single(peers.plain.scene()), single(peers.robust.scene()), packet(peers.plain.scene())},
-              rounds);
+      measure({ours_timed, single(peers.plain.scene()), single(peers.robust.scene()), packet(peers.plain.scene())}, rounds);
   const std::string query = any ? "rtcOccluded" : "rtcIntersect";
   const std::string name = subject.name + " " + set.name + (any ? " any" : " closest");
   const std::string names[] = {query + "1", query + "1 robust", query + "8" + (set.coherent ? " coherent" : "")};
@@ -121,23 +134,73 @@ void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peer
   report_agreement(name, set, ours, singles, peers.robust.scene(), table);
 }
 
+// The line a + b log2(n) through the points, by least squares.
+struct LogarithmFit {
+  double a, b, worst;  // worst: largest deviation of a point, relative to the line
+};
+
+LogarithmFit fit_of(const std::vector<std::pair<double, double>>& points) {
+  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (const auto& [n, y] : points) {
+    const double x = std::log2(n);
+    sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  const double m = static_cast<double>(points.size());
+  const double b = (m * sxy - sx * sy) / (m * sxx - sx * sx), a = (sy - b * sx) / m;
+  double worst = 0.0;
+  for (const auto& [n, y] : points) worst = std::max(worst, std::abs(y / (a + b * std::log2(n)) - 1.0));
+  return {a, b, worst};
+}
+
+std::string fit_text(const char* who, const LogarithmFit& fit) {
+  char text[128];
+  std::snprintf(text, sizeof text, "  %s: %.1f + %.1f log2(n) ns, no point further off than %.0f %%", who, fit.a, fit.b, 100.0 * fit.worst);
+  return text;
+}
+
+// Nanoseconds of a diffuse ray over the number of triangles.
+void bench_growth(const Device& device, unsigned rounds, Table& table) {
+  table.heading("cost of a diffuse ray over the number of triangles, one thread, load " + load_average());
+  std::vector<std::pair<double, double>> ours_points, peer_points;
+  for (const std::size_t count : {10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u, 3'000'000u, 10'000'000u}) {
+    const Scene scene = triangles_of(place_scene(world_of(terrain(count))));
+    OurTraversal ours(device, scene, build_bvh(scene, device.bvh_width));
+    EmbreePeer peer(scene, false, "threads=1");
+    peer.commit();
+    const RaySet diffuse = ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peer.scene()); })[1];
+    ours.load(diffuse.rays);
+    SingleRays singles(diffuse.rays);
+    const auto run = [&] { ours.run(false); };
+    const std::vector<Seconds> seconds = measure({{{}, ours.on_cpu() ? timed_on_cpu(run) : timed(run)},
+                                                  {[&] { singles.reset(); }, timed_on_cpu([&] {
+                                                     const FlushDenormals flush;
+                                                     singles.closest(peer.scene());
+                                                   })}},
+                                                 rounds);
+    const auto nanoseconds = [&](const Seconds& s) { return spread_of(s).median * 1e9 / static_cast<double>(diffuse.rays.size()); };
+    ours_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[0]));
+    peer_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[1]));
+    table.add({"growth " + short_count(count) + ": rtcIntersect1", "ns/ray", ours_points.back().second, peer_points.back().second,
+               ratio_of(seconds[1], seconds[0])});
+  }
+  table.note(fit_text("ours", fit_of(ours_points)));
+  table.note(fit_text("rtcIntersect1", fit_of(peer_points)));
+}
+
 }  // namespace
 
 void bench_traversal(const Options& options, Table& table) {
   use_one_core();
   const Device device = open_device(options.device);
-  for (const Subject& subject : subjects_of(options)) {
+  if (options.growth) {
+    bench_growth(device, options.rounds, table);
+    return;
+  }
+  for (const Subject& subject : subjects_of(options, table)) {
     const Bvh bvh = build_bvh(subject.scene, device.bvh_width);
     OurTraversal ours(device, subject.scene, bvh);
     Peers peers(subject.scene);
-    const auto trace = [&](const std::vector<Ray>& rays) {
-      SingleRays singles(rays);
-      singles.reset();
-      singles.closest(peers.robust.scene());
-      std::vector<Hit> hits(rays.size());
-      for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = singles.hit(i);
-      return hits;
-    };
+    const auto trace = [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); };
     table.heading("traversal, " + subject.name + ": " + std::to_string(subject.scene.triangles.size()) + " triangles, BVH of width " +
                   std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
     for (const RaySet& set : ray_sets(subject.scene, trace))

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "../bench/bench.h"
+#include "../bench/child.h"
 #include "../bench/embree_peer.h"
 #include "../bench/machine.h"
 #include "../bench/terrain.h"
@@ -30,9 +31,18 @@ Exit run(const BenchOptions& options) {
   table.setting("machine", bench::cpu_model());
   table.setting("load", bench::load_average());
   table.setting("program", "oclair " OCLAIR_VERSION);
-  table.setting("Embree", bench::embree_description());
+  table.setting("device", bench::in_child([&] { return describe(open_device(options.measurement.device).device); }));
+  table.setting("Embree", bench::in_child(bench::embree_description));
   table.setting("rounds", std::to_string(options.measurement.rounds));
-  bench::bench_traversal(options.measurement, table);
+  const auto run_part = [&](const char* part, void (*measure)(const bench::Options&, bench::Table&)) {
+    if (options.part != part && options.part != "all") return;
+    table.take(bench::in_child([&] {
+      bench::Table rows(std::cout);
+      measure(options.measurement, rows);
+      return rows.json();
+    }));
+  };
+  run_part("traversal", bench::bench_traversal);
   if (options.json) table.write_json(*options.json);
   return Exit::success;
 }
@@ -57,6 +67,7 @@ Command bench_command(CLI::App& program) {
           "repetitions, of which the median is taken; default: 7")
       ->type_name("N");
   line.add_option("--json", options->json, "write the figures to a file, too")->type_name("FILE");
+  line.add_flag("--growth", options->measurement.growth, "traversal: the cost of a ray from 10 thousand to 10 million triangles");
   add_device(line, options->measurement.device);
   return {&line, [options] {
             check_part(options->part);

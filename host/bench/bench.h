@@ -21,5 +21,8 @@ struct Options {
 };
 
 void bench_traversal(const Options& options, Table& table);
+void bench_path(const Options& options, Table& table);
+void bench_build(const Options& options, Table& table);
+void bench_start(const Options& options, Table& table);
 
 }  // namespace oclair::bench

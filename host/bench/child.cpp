@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -150,26 +151,27 @@ double Worker::run(unsigned char action) {
   return value;
 }
 
-double seconds_of_program(const std::vector<std::string>& arguments, const std::string& pocl_cache) {
+ProgramRun run_program(const std::vector<std::string>& arguments, const std::filesystem::path& pocl_cache) {
   int status = 0;
+  rusage usage{};
   const double seconds = seconds_of([&] {
     const pid_t child = fork_or_throw();
     if (child == 0) {
       const int nowhere = open("/dev/null", O_RDWR);
       dup2(nowhere, STDOUT_FILENO);
       dup2(nowhere, STDERR_FILENO);
-      setenv("POCL_CACHE_DIR", pocl_cache.c_str(), 1);
+      if (!pocl_cache.empty()) setenv("POCL_CACHE_DIR", pocl_cache.c_str(), 1);
       std::vector<char*> argv = {const_cast<char*>("oclair")};
       for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
       argv.push_back(nullptr);
       execv("/proc/self/exe", argv.data());
       _exit(127);
     }
-    waitpid(child, &status, 0);
+    wait4(child, &status, 0, &usage);
   });
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw Error(Exit::render_failed, "oclair " + arguments[0] + " failed as a process of its own: expected it to render " + arguments[1]);
-  return seconds;
+  return {seconds, 1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
 }  // namespace oclair::bench

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -29,8 +30,13 @@ class Worker {
   int commands_, answers_;
 };
 
-// Wall seconds of the program that is running, with other arguments and in silence, from its start to its end. Throws
-// Error(Exit::render_failed) if it fails.
-double seconds_of_program(const std::vector<std::string>& arguments, const std::string& pocl_cache);
+struct ProgramRun {
+  double seconds;     // from its start to its end
+  double peak_bytes;  // most physical memory that it had at once
+};
+
+// The program that is running, with other arguments and in silence. pocl_cache: where PoCL keeps its kernels; empty: where it
+// always does. Throws Error(Exit::render_failed) if it fails.
+ProgramRun run_program(const std::vector<std::string>& arguments, const std::filesystem::path& pocl_cache);
 
 }  // namespace oclair::bench

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 
-#include "../upload.h"
+#include "../render.h"
+#include "timing.h"
 
 namespace oclair::bench {
-namespace {
-
-// PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
-constexpr std::size_t max_launch = 65472;
-
-}  // namespace
+std::function<double()> timed_on(const Device& device, std::function<void()> run) {
+  const bool cpu = (device.device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+  return cpu ? timed_on_cpu(std::move(run)) : timed(std::move(run));
+}
 
 OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh) : device_(device) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
@@ -21,8 +20,6 @@ OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& 
   closest_ = cl::Kernel(program, "closest_of_rays");
   any_ = cl::Kernel(program, "any_of_rays");
 }
-
-bool OurTraversal::on_cpu() const { return (device_.device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0; }
 
 void OurTraversal::load(const std::vector<Ray>& rays) {
   count_ = rays.size();

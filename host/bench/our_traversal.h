@@ -1,6 +1,7 @@
 // The traversals of cl/traverse.h over rays in a buffer.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "../bvh.h"
@@ -9,12 +10,13 @@
 
 namespace oclair::bench {
 
+// In one thread: processor time of what the device does, if it is a CPU, or else wall time.
+std::function<double()> timed_on(const Device& device, std::function<void()> run);
+
 class OurTraversal {
  public:
   // Compiles and uploads. The device must outlive it. Throws Error(Exit::device).
   OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh);
-
-  bool on_cpu() const;  // its work is processor time of this process
 
   void load(const std::vector<Ray>& rays);
   void run(bool any_hit);  // over all rays; returns when it is done

@@ -7,9 +7,12 @@
 
 namespace oclair::bench {
 
-std::optional<Mesh> scan() {
+bool scan_is_there() {
   std::error_code error;
-  if (!std::filesystem::exists(scan_file, error)) return std::nullopt;
+  return std::filesystem::exists(scan_file, error);
+}
+
+Mesh scan() {
   try {
     return to_world(parse_obj(read_mesh_file(scan_file)), {.face_normals = true});
   } catch (const MeshFileError& fault) {

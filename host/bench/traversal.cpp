@@ -1,62 +1,17 @@
 // Rays per second of our traversal against Embree's, on the same triangles and rays, in one thread.
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <cstdio>
 
 #include "../bvh.h"
-#include "../error.h"
 #include "bench.h"
 #include "embree_peer.h"
 #include "machine.h"
 #include "our_traversal.h"
-#include "scan.h"
-#include "terrain.h"
+#include "subjects.h"
 
 namespace oclair::bench {
 namespace {
-
-struct Subject {
-  std::string name;
-  Scene scene;
-};
-
-// Only what Embree is given too: the triangles, in the canonical frame.
-Scene triangles_of(Scene scene) {
-  scene.quadrics.clear();
-  scene.features = FEATURE_TRIANGLES;
-  return scene;
-}
-
-std::string short_count(std::size_t count) {
-  char text[32];
-  if (count >= 999500) std::snprintf(text, sizeof text, "%.3gM", static_cast<double>(count) * 1e-6);
-  else if (count >= 1000) std::snprintf(text, sizeof text, "%.3gk", static_cast<double>(count) * 1e-3);
-  else std::snprintf(text, sizeof text, "%zu", count);
-  return text;
-}
-
-std::vector<Subject> subjects_of(const Options& options, Table& table) {
-  std::vector<Subject> subjects;
-  if (options.scene) {
-    subjects.push_back({options.scene->stem().string(), triangles_of(place_scene(read_scene(*options.scene, options.definitions)))});
-    if (subjects.back().scene.triangles.empty())
-      throw Error(Exit::scene, options.scene->string() + ": has no triangles; expected some to trace rays through");
-    return subjects;
-  }
-  const auto add = [&](const std::string& name, Mesh mesh) {
-    subjects.push_back({name, triangles_of(place_scene(world_of(std::move(mesh))))});
-  };
-  if (options.triangles) {
-    add(short_count(*options.triangles), terrain(*options.triangles));
-    return subjects;
-  }
-  add("70k", terrain(70'000));
-  add("1.3M", terrain(1'300'000));
-  add("sticks 200k", sticks(200'000));
-  if (auto bunny = scan()) add("bunny", in_box(std::move(*bunny)));
-  else table.note(std::string("bunny: left out, ") + scan_file + " is absent (Debian's package glmark2-data)");
-  return subjects;
-}
 
 struct Peers {
   EmbreePeer plain, robust;
@@ -104,7 +59,7 @@ void report_agreement(const std::string& name, const RaySet& set, OurTraversal& 
              " of them at another distance");
 }
 
-void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peers& peers, unsigned rounds, Table& table) {
+void compare(const Device& device, const std::string& subject, const RaySet& set, OurTraversal& ours, Peers& peers, unsigned rounds, Table& table) {
   ours.load(set.rays);
   SingleRays singles(set.rays);
   PacketRays packets(set.rays, set.coherent);
@@ -121,12 +76,11 @@ void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peer
                        any ? packets.any(scene) : packets.closest(scene);
                      })};
   };
-  const auto run = [&] { ours.run(any); };
-  const Contender ours_timed{{}, ours.on_cpu() ? timed_on_cpu(run) : timed(run)};
+  const Contender ours_timed{{}, timed_on(device, [&] { ours.run(any); })};
   const std::vector<Seconds> seconds =
       measure({ours_timed, single(peers.plain.scene()), single(peers.robust.scene()), packet(peers.plain.scene())}, rounds);
   const std::string query = any ? "rtcOccluded" : "rtcIntersect";
-  const std::string name = subject.name + " " + set.name + (any ? " any" : " closest");
+  const std::string name = subject + " " + set.name + (any ? " any" : " closest");
   const std::string names[] = {query + "1", query + "1 robust", query + "8" + (set.coherent ? " coherent" : "")};
   const auto rate = [&](const Seconds& s) { return static_cast<double>(set.rays.size()) * 1e-6 / spread_of(s).median; };
   for (std::size_t peer = 0; peer < std::size(names); ++peer)
@@ -136,7 +90,7 @@ void compare(const Subject& subject, const RaySet& set, OurTraversal& ours, Peer
 
 // The line a + b log2(n) through the points, by least squares.
 struct LogarithmFit {
-  double a, b, worst;  // worst: largest deviation of a point, relative to the line
+  double a, b, worst;  // worst: largest deviation of the line from a point, relative to the point
 };
 
 LogarithmFit fit_of(const std::vector<std::pair<double, double>>& points) {
@@ -148,35 +102,36 @@ LogarithmFit fit_of(const std::vector<std::pair<double, double>>& points) {
   const double m = static_cast<double>(points.size());
   const double b = (m * sxy - sx * sy) / (m * sxx - sx * sx), a = (sy - b * sx) / m;
   double worst = 0.0;
-  for (const auto& [n, y] : points) worst = std::max(worst, std::abs(y / (a + b * std::log2(n)) - 1.0));
+  for (const auto& [n, y] : points) worst = std::max(worst, std::abs((a + b * std::log2(n)) / y - 1.0));
   return {a, b, worst};
 }
 
 std::string fit_text(const char* who, const LogarithmFit& fit) {
   char text[128];
-  std::snprintf(text, sizeof text, "  %s: %.1f + %.1f log2(n) ns, no point further off than %.0f %%", who, fit.a, fit.b, 100.0 * fit.worst);
+  std::snprintf(text, sizeof text, "  %s: %.0f + %.0f log2(n) ns, at most %.0f %% off a point", who, fit.a, fit.b, 100.0 * fit.worst);
   return text;
 }
 
 // Nanoseconds of a diffuse ray over the number of triangles.
-void bench_growth(const Device& device, unsigned rounds, Table& table) {
+void bench_growth(const Device& device, const Options& options, Table& table) {
   table.heading("cost of a diffuse ray over the number of triangles, one thread, load " + load_average());
   std::vector<std::pair<double, double>> ours_points, peer_points;
   for (const std::size_t count : {10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u, 3'000'000u, 10'000'000u}) {
-    const Scene scene = triangles_of(place_scene(world_of(terrain(count))));
+    Options sized = options;
+    sized.triangles = count;
+    const Scene scene = traversal_subjects(sized, table).front().make();
     OurTraversal ours(device, scene, build_bvh(scene, device.bvh_width));
     EmbreePeer peer(scene, false, "threads=1");
     peer.commit();
     const RaySet diffuse = ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peer.scene()); })[1];
     ours.load(diffuse.rays);
     SingleRays singles(diffuse.rays);
-    const auto run = [&] { ours.run(false); };
-    const std::vector<Seconds> seconds = measure({{{}, ours.on_cpu() ? timed_on_cpu(run) : timed(run)},
+    const std::vector<Seconds> seconds = measure({{{}, timed_on(device, [&] { ours.run(false); })},
                                                   {[&] { singles.reset(); }, timed_on_cpu([&] {
                                                      const FlushDenormals flush;
                                                      singles.closest(peer.scene());
                                                    })}},
-                                                 rounds);
+                                                 options.rounds);
     const auto nanoseconds = [&](const Seconds& s) { return spread_of(s).median * 1e9 / static_cast<double>(diffuse.rays.size()); };
     ours_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[0]));
     peer_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[1]));
@@ -193,18 +148,18 @@ void bench_traversal(const Options& options, Table& table) {
   use_one_core();
   const Device device = open_device(options.device);
   if (options.growth) {
-    bench_growth(device, options.rounds, table);
+    bench_growth(device, options, table);
     return;
   }
-  for (const Subject& subject : subjects_of(options, table)) {
-    const Bvh bvh = build_bvh(subject.scene, device.bvh_width);
-    OurTraversal ours(device, subject.scene, bvh);
-    Peers peers(subject.scene);
-    const auto trace = [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); };
-    table.heading("traversal, " + subject.name + ": " + std::to_string(subject.scene.triangles.size()) + " triangles, BVH of width " +
+  for (const Subject& subject : traversal_subjects(options, table)) {
+    const Scene scene = subject.make();
+    const Bvh bvh = build_bvh(scene, device.bvh_width);
+    OurTraversal ours(device, scene, bvh);
+    Peers peers(scene);
+    table.heading("traversal, " + subject.name + ": " + std::to_string(scene.triangles.size()) + " triangles, BVH of width " +
                   std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
-    for (const RaySet& set : ray_sets(subject.scene, trace))
-      if (!set.rays.empty()) compare(subject, set, ours, peers, options.rounds, table);
+    for (const RaySet& set : ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); }))
+      if (!set.rays.empty()) compare(device, subject.name, set, ours, peers, options.rounds, table);
   }
 }
 

@@ -18,7 +18,7 @@ struct BenchOptions {
   std::optional<std::filesystem::path> json;
 };
 
-constexpr const char* parts[] = {"traversal"};
+constexpr const char* parts[] = {"traversal", "path", "build", "start", "all"};
 
 void check_part(const std::string& part) {
   for (const char* known : parts)
@@ -43,6 +43,9 @@ Exit run(const BenchOptions& options) {
     }));
   };
   run_part("traversal", bench::bench_traversal);
+  run_part("path", bench::bench_path);
+  run_part("build", bench::bench_build);
+  run_part("start", bench::bench_start);
   if (options.json) table.write_json(*options.json);
   return Exit::success;
 }

@@ -171,7 +171,8 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const std::fil
   });
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw Error(Exit::render_failed, "oclair " + arguments[0] + " failed as a process of its own: expected it to render " + arguments[1]);
-  return {seconds, 1024.0 * static_cast<double>(usage.ru_maxrss)};
+  const auto seconds_in = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  return {seconds, seconds_in(usage.ru_utime) + seconds_in(usage.ru_stime), 1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
 }  // namespace oclair::bench

@@ -32,6 +32,7 @@ class Worker {
 
 struct ProgramRun {
   double seconds;     // from its start to its end
+  double cpu_seconds;
   double peak_bytes;  // most physical memory that it had at once
 };
 

@@ -134,14 +134,18 @@ void compare_cores(const Options& options, const Subject& subject, unsigned samp
     return [&, one]() -> Worker::Actions {
       if (one) use_one_core();
       const auto measured = std::make_shared<Measured>(options, subject.make());
-      return {timed([=] { render_again(*measured->special, samples); })};
+      const auto render = [=] { render_again(*measured->special, samples); };
+      return {timed(render), timed_on_cpu(render)};
     };
   };
   Worker one(prepare(true)), all(prepare(false));
   const auto seconds = measure({{{}, [&] { return all.run(0); }}, {{}, [&] { return one.run(0); }}}, options.rounds);
   const auto rate = [&](const Seconds& s) { return samples * pixels * 1e-6 / spread_of(s).median; };
-  table.add({subject.name + " samples/s, " + std::to_string(core_count()) + " cores against one", "Ms/s", rate(seconds[0]),
-             rate(seconds[1]), ratio_of(seconds[1], seconds[0])});
+  const std::string cores = std::to_string(core_count()) + " cores against one";
+  table.add({subject.name + " samples/s, " + cores, "Ms/s", rate(seconds[0]), rate(seconds[1]), ratio_of(seconds[1], seconds[0])});
+  // What more threads cost each other. On a machine that does nothing else, the ratio above is this one times the cores.
+  const auto cpu = measure({{{}, [&] { return all.run(1); }}, {{}, [&] { return one.run(1); }}}, options.rounds);
+  table.add({subject.name + " samples per processor second, " + cores, "Ms/s", rate(cpu[0]), rate(cpu[1]), ratio_of(cpu[1], cpu[0])});
 }
 
 }  // namespace

@@ -74,6 +74,8 @@ Command bench_command(CLI::App& program) {
   add_device(line, options->measurement.device);
   return {&line, [options] {
             check_part(options->part);
+            if (options->measurement.scene && options->measurement.triangles)
+              throw Error(Exit::usage, "--triangles: expected no SCENE beside it");
             return run(*options);
           }};
 }

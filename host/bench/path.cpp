@@ -74,7 +74,7 @@ Worker::Actions one_core_actions(const Options& options, const Subject& subject,
   return actions;
 }
 
-// Seconds from the opened device to the first sample, with nothing compiled before, and what PoCL has compiled until then.
+// Seconds from the opened device to the compiled kernel, with nothing compiled before, and what PoCL has compiled until then.
 struct Compilation {
   double seconds, bytes;
 };
@@ -94,7 +94,7 @@ Compilation compile(const Options& options, const Subject& subject, bool everyth
     Scene scene = subject.make();
     if (everything) scene.features = all_features(scene);
     const Bvh bvh = build_bvh(scene, device.bvh_width);
-    return std::to_string(seconds_of([&] { start_render(device, scene, bvh); }));
+    return std::to_string(timed_on(device, [&] { start_render(device, scene, bvh); })());
   });
   return {std::stod(result), object_bytes(cache.path())};
 }
@@ -102,7 +102,7 @@ Compilation compile(const Options& options, const Subject& subject, bool everyth
 void compare_kernels(const Options& options, const Subject& subject, Worker& one_core, Table& table) {
   std::vector<double> times[2];
   Compilation special{}, full{};
-  for (unsigned round = 0; round < std::min(options.rounds, 3u); ++round) {
+  for (unsigned round = 0; round < std::min(options.rounds, 2u); ++round) {
     special = compile(options, subject, false), full = compile(options, subject, true);
     times[0].push_back(special.seconds), times[1].push_back(full.seconds);
   }

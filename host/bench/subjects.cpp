@@ -78,6 +78,7 @@ std::vector<Subject> path_subjects(const Options& options) {
   if (options.scene) return {{options.scene->stem().string(), [&options] { return read(options, *options.scene); }}};
   if (options.triangles) return {generated(*options.triangles)};
   std::vector<Subject> subjects = {generated(70'000), generated(1'300'000)};
+  subjects.push_back({"1000 small lights", [] { return place_scene(world_of(terrain(70'000), small_lamps(1000))); }});
   for (const char* name : {"cornell", "diamond", "mirror-glass", "oren-nayar", "normal-map"})
     if (const auto file = own_scene(name)) subjects.push_back({name, [&options, file] { return read(options, *file); }});
   return subjects;

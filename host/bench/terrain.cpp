@@ -16,6 +16,7 @@ constexpr double half_width = 0.98;    // of the hills: the box is a little wide
 constexpr double deepest = -0.98;      // apex of the cone that closes the hills from below
 constexpr std::size_t box_triangles = 12;
 constexpr std::size_t boulders = 48;
+constexpr double lamp_height = 0.95;
 
 void add_triangle(Mesh& mesh, std::size_t a, std::size_t b, std::size_t c) {
   mesh.triangles.emplace_back(static_cast<uint>(a), static_cast<uint>(b), static_cast<uint>(c));
@@ -29,6 +30,15 @@ void add_box(Mesh& mesh) {
     add_triangle(mesh, first + f[0], first + f[1], first + f[2]);
     add_triangle(mesh, first + f[0], first + f[2], first + f[3]);
   }
+}
+
+// A square that shines downwards.
+void add_lamp(Mesh& mesh, const glm::dvec3& center, double side) {
+  const std::size_t first = mesh.positions.size();
+  for (const auto& [x, z] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+    mesh.positions.push_back(center + 0.5 * side * glm::dvec3(x, 0, z));
+  add_triangle(mesh, first, first + 1, first + 2);
+  add_triangle(mesh, first, first + 2, first + 3);
 }
 
 // A number in [0, 1) for each point of a lattice.
@@ -186,7 +196,21 @@ Mesh in_box(Mesh mesh) {
   return mesh;
 }
 
-World world_of(Mesh mesh) {
+Mesh lamp() {
+  Mesh mesh;
+  add_lamp(mesh, {0.0, lamp_height, 0.0}, 0.5);
+  return mesh;
+}
+
+Mesh small_lamps(std::size_t count) {
+  Mesh mesh;
+  for (std::size_t i = 0; i < count; ++i)
+    add_lamp(mesh, {1.9 * random_unit(i, 0) - 0.95, lamp_height - 0.1 * random_unit(i, 1), 1.9 * random_unit(i, 2) - 0.95},
+             0.5 / std::sqrt(static_cast<double>(count)));
+  return mesh;
+}
+
+World world_of(Mesh mesh, Mesh lamps) {
   World world;
   Material grey{};
   grey.kind = MATERIAL_DIFFUSE;
@@ -197,12 +221,11 @@ World world_of(Mesh mesh) {
   solid.material_front = solid.material_back = 0;
   world.shapes.push_back(std::move(solid));
 
-  WorldShape lamp;
-  lamp.mesh.positions = {{-0.25, 0.95, -0.25}, {0.25, 0.95, -0.25}, {0.25, 0.95, 0.25}, {-0.25, 0.95, 0.25}};
-  lamp.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};  // shines downwards
-  lamp.material_front = lamp.material_back = 0;
-  lamp.radiance = glm::dvec3(10.0);
-  world.shapes.push_back(std::move(lamp));
+  WorldShape light;
+  light.mesh = std::move(lamps);
+  light.material_front = light.material_back = 0;
+  light.radiance = glm::dvec3(10.0);
+  world.shapes.push_back(std::move(light));
 
   const glm::dvec3 eye(0.0, 0.45, 0.95), along = glm::normalize(glm::dvec3(0.0, -0.35, 0.0) - eye);
   const glm::dvec3 left = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), along));

@@ -93,6 +93,28 @@ TEST(bench_test, no_generated_triangle_is_without_area) {
   EXPECT_EQ(place_scene(bench::world_of(sticks(20'000))).degenerate_primitives, 0u);
 }
 
+TEST(bench_test, a_smooth_mesh_has_the_same_vertices_and_a_unit_normal_for_each) {
+  const Mesh flat = terrain(5000), mesh = smooth(flat);
+  EXPECT_EQ(mesh.positions, flat.positions);
+  EXPECT_EQ(mesh.triangles.size(), flat.triangles.size());
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  for (const glm::dvec3& n : mesh.normals) EXPECT_NEAR(glm::length(n), 1.0, 1e-12);
+}
+
+TEST(bench_test, lamps_shine_downwards_with_the_same_area_in_all) {
+  const auto area = [](const Mesh& mesh) {
+    double sum = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 n = glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+      EXPECT_LT(n.y, 0.0);
+      sum += 0.5 * glm::length(n);
+    }
+    return sum;
+  };
+  EXPECT_EQ(small_lamps(1000).triangles.size(), 2000u);
+  EXPECT_NEAR(area(small_lamps(1000)), area(lamp()), 1e-12);
+}
+
 TEST(bench_test, a_scene_file_of_the_terrain_is_the_scene_that_is_made_in_memory) {
   const ::TemporaryDirectory directory;
   write_terrain_scene(terrain(5000), directory / "", 512);
@@ -259,6 +281,26 @@ TEST(bench_test, targets_judge_the_median_ratio_or_else_the_figure_itself) {
   EXPECT_FALSE(met({"x", false, 2.0}, 2.001));
 }
 
+TEST(bench_test, the_list_of_targets_tells_what_is_met_what_is_not_and_what_was_not_measured) {
+  std::ostringstream text;
+  Table table(text);
+  Row first = row(targets[0].name), second = row(targets[1].name);
+  first.ratio->median = targets[0].value;
+  second.ratio->median = 0.5 * targets[1].value;
+  table.add(first);
+  table.add(second);
+  text.str("");
+  table.print_targets();
+  const auto line = [&](const std::string& name) {
+    const std::size_t at = text.str().find("\n" + name + "  ") + 1;
+    return text.str().substr(at, text.str().find('\n', at) - at);
+  };
+  const auto ends_with = [](const std::string& said, const std::string& end) { return said.size() > end.size() && said.substr(said.size() - end.size()) == end; };
+  EXPECT_TRUE(ends_with(line(targets[0].name), "  met")) << text.str();
+  EXPECT_TRUE(ends_with(line(targets[1].name), "  NOT met"));
+  for (std::size_t i = 2; i < std::size(targets); ++i) EXPECT_TRUE(ends_with(line(targets[i].name), "  not measured"));
+}
+
 TEST(bench_test, json_has_every_setting_and_row_and_another_table_takes_them_from_it) {
   std::ostringstream text;
   Table table(text);
@@ -338,6 +380,7 @@ TEST(bench_test, the_command_refuses_what_it_does_not_know_in_one_line) {
       {{"bench", "speed"}, "PART 'speed': expected traversal, path, build, start or all"},
       {{"bench", "traversal", "--triangles", "999"}, "--triangles '999': expected a whole number from 1000 to 100000000"},
       {{"bench", "traversal", "--rounds", "0"}, "--rounds '0': expected a whole number from 1 to 1000"},
+      {{"bench", "traversal", "--growth", "--triangles", "1000"}, "--growth: expected neither SCENE nor --triangles beside it"},
       {{"bench", "traversal", "a.xml", "--triangles", "1000"}, "--triangles: expected no SCENE beside it"},
   };
   for (const auto& [arguments, message] : cases) {

@@ -17,10 +17,10 @@ struct Options {
   std::optional<std::uint64_t> triangles;      // of the generated mesh; otherwise: those that the targets are about
   unsigned rounds = 7;
   std::string device;
-  bool growth = false;                         // also the cost per ray over the number of triangles
 };
 
 void bench_traversal(const Options& options, Table& table);
+void bench_growth(const Options& options, Table& table);  // the cost of a ray over the number of triangles
 void bench_path(const Options& options, Table& table);
 void bench_build(const Options& options, Table& table);
 void bench_start(const Options& options, Table& table);

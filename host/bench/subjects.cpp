@@ -71,7 +71,8 @@ std::vector<Subject> traversal_subjects(const Options& options, Table& table) {
 std::vector<Subject> build_subjects(const Options& options) {
   if (options.scene) return path_subjects(options);
   if (options.triangles) return {generated(*options.triangles)};
-  return {generated(70'000), generated(1'300'000), {"sticks 200k", [] { return place_scene(world_of(sticks(200'000))); }}};
+  return {generated(70'000), generated(1'300'000), {"1.3M smooth", [] { return place_scene(world_of(smooth(terrain(1'300'000)))); }},
+          {"sticks 200k", [] { return place_scene(world_of(sticks(200'000))); }}};
 }
 
 std::vector<Subject> path_subjects(const Options& options) {

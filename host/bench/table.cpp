@@ -32,6 +32,11 @@ std::string ratio_text(const std::optional<Spread>& ratio) {
                : "";
 }
 
+std::string verdict(const Target& target, const std::optional<double>& figure) {
+  return (target.at_least ? ">= " : "<= ") + formatted("%.2f", target.value) +
+         (!figure ? "  not measured" : met(target, *figure) ? "  met" : "  NOT met");
+}
+
 }  // namespace
 
 std::optional<Target> target_of(const std::string& name) {
@@ -63,11 +68,19 @@ void Table::note(const std::string& text) {
 void Table::add(Row row) {
   out_ << padded(row.name, name_width) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true) << "  "
        << padded(row.unit, 10) << padded(ratio_text(row.ratio), 24);
-  if (const auto target = target_of(row.name))
-    out_ << (target->at_least ? ">= " : "<= ") << formatted("%.2f", target->value)
-         << (met(*target, figure_of(row).value()) ? "  met" : "  NOT met");
+  if (const auto target = target_of(row.name)) out_ << verdict(*target, figure_of(row));
   out_ << std::endl;
   rows_.push_back(std::move(row));
+}
+
+void Table::print_targets() const {
+  out_ << "\n" << padded("targets", name_width) << padded("measured", 10, true) << "  target" << std::endl;
+  for (const Target& target : targets) {
+    const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.name == target.name; });
+    const auto figure = row == rows_.end() ? std::nullopt : figure_of(*row);
+    out_ << padded(target.name, name_width) << padded(figure ? formatted("%.3f", *figure) : "-", 10, true) << "  " << verdict(target, figure)
+         << std::endl;
+  }
 }
 
 std::string Table::json() const {

@@ -33,6 +33,7 @@ class Table {
   const std::vector<Row>& rows() const { return rows_; }
   Table empty_copy() const { return Table(out_); }
   void take(const std::string& json);  // the rows and notes of another table, which has printed them
+  void print_targets() const;          // every target with what was measured
   void write_json(const std::filesystem::path& file) const;  // throws Error(Exit::render_failed)
   std::string json() const;
 

@@ -37,6 +37,7 @@ inline constexpr Target targets[] = {
     {"1.3M build, one core: rtcCommitScene", true, 1.00},
     {"1.3M build, all cores: rtcCommitScene", true, 1.00},
     {"1.3M device memory per triangle", false, 96.0},
+    {"1.3M smooth device memory per triangle", false, 96.0},
     {"10M at 1024x1024, process memory", false, 4.0},
     {"start, kernels compiled before", false, 0.15},
     {"start, first time, kernel with all features", false, 2.5},

@@ -7,6 +7,7 @@
 
 #include "../color.h"
 #include "../frame.h"
+#include "../mesh.h"
 #include "random.h"
 
 namespace oclair::bench {
@@ -181,6 +182,13 @@ Mesh sticks(std::size_t triangles) {
     add_triangle(mesh, first + 1, first + 3, first + 2);
   }
   return mesh;
+}
+
+Mesh smooth(const Mesh& mesh) {
+  ObjectMesh object;
+  object.positions = mesh.positions;
+  object.triangles = mesh.triangles;
+  return to_world(object, {});
 }
 
 Mesh in_box(Mesh mesh) {

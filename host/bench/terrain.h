@@ -20,6 +20,9 @@ Mesh sticks(std::size_t triangles);
 Mesh lamp();
 Mesh small_lamps(std::size_t count);
 
+// The same with vertex normals.
+Mesh smooth(const Mesh& mesh);
+
 // The mesh, moved and scaled to stand on the floor of that box, 1.4 high or wide at most.
 Mesh in_box(Mesh mesh);
 

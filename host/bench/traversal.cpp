@@ -112,8 +112,27 @@ std::string fit_text(const char* who, const LogarithmFit& fit) {
   return text;
 }
 
+}  // namespace
+
+void bench_traversal(const Options& options, Table& table) {
+  use_one_core();
+  const Device device = open_device(options.device);
+  for (const Subject& subject : traversal_subjects(options, table)) {
+    const Scene scene = subject.make();
+    const Bvh bvh = build_bvh(scene, device.bvh_width);
+    OurTraversal ours(device, scene, bvh);
+    Peers peers(scene);
+    table.heading("traversal, " + subject.name + ": " + std::to_string(scene.triangles.size()) + " triangles, BVH of width " +
+                  std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
+    for (const RaySet& set : ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); }))
+      if (!set.rays.empty()) compare(device, subject.name, set, ours, peers, options.rounds, table);
+  }
+}
+
 // Nanoseconds of a diffuse ray over the number of triangles.
-void bench_growth(const Device& device, const Options& options, Table& table) {
+void bench_growth(const Options& options, Table& table) {
+  use_one_core();
+  const Device device = open_device(options.device);
   table.heading("cost of a diffuse ray over the number of triangles, one thread, load " + load_average());
   std::vector<std::pair<double, double>> ours_points, peer_points;
   for (const std::size_t count : {10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u, 3'000'000u, 10'000'000u}) {
@@ -138,29 +157,12 @@ void bench_growth(const Device& device, const Options& options, Table& table) {
     table.add({"growth " + short_count(count) + ": rtcIntersect1", "ns/ray", ours_points.back().second, peer_points.back().second,
                ratio_of(seconds[1], seconds[0])});
   }
+  char text[96];
+  std::snprintf(text, sizeof text, "  1000 times the triangles: ours costs %.1f times as much, rtcIntersect1 %.1f times",
+                ours_points.back().second / ours_points.front().second, peer_points.back().second / peer_points.front().second);
+  table.note(text);
   table.note(fit_text("ours", fit_of(ours_points)));
   table.note(fit_text("rtcIntersect1", fit_of(peer_points)));
-}
-
-}  // namespace
-
-void bench_traversal(const Options& options, Table& table) {
-  use_one_core();
-  const Device device = open_device(options.device);
-  if (options.growth) {
-    bench_growth(device, options, table);
-    return;
-  }
-  for (const Subject& subject : traversal_subjects(options, table)) {
-    const Scene scene = subject.make();
-    const Bvh bvh = build_bvh(scene, device.bvh_width);
-    OurTraversal ours(device, scene, bvh);
-    Peers peers(scene);
-    table.heading("traversal, " + subject.name + ": " + std::to_string(scene.triangles.size()) + " triangles, BVH of width " +
-                  std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
-    for (const RaySet& set : ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); }))
-      if (!set.rays.empty()) compare(device, subject.name, set, ours, peers, options.rounds, table);
-  }
 }
 
 }  // namespace oclair::bench

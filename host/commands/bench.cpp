@@ -16,6 +16,7 @@ struct BenchOptions {
   std::string part = "all";
   bench::Options measurement;
   std::optional<std::filesystem::path> json;
+  bool growth = false;
 };
 
 constexpr const char* parts[] = {"traversal", "path", "build", "start", "all"};
@@ -34,18 +35,22 @@ Exit run(const BenchOptions& options) {
   table.setting("device", bench::in_child([&] { return describe(open_device(options.measurement.device).device); }));
   table.setting("Embree", bench::in_child(bench::embree_description));
   table.setting("rounds", std::to_string(options.measurement.rounds));
+  if (options.json) table.write_json(*options.json);  // a name that cannot be written fails now, not after the measurements
+  const bool all = options.part == "all", growth = options.growth || (all && !options.measurement.scene && !options.measurement.triangles);
   const auto run_part = [&](const char* part, void (*measure)(const bench::Options&, bench::Table&)) {
-    if (options.part != part && options.part != "all") return;
+    if (options.part != part && !all) return;
     table.take(bench::in_child([&] {
       bench::Table rows(std::cout);
       measure(options.measurement, rows);
       return rows.json();
     }));
   };
-  run_part("traversal", bench::bench_traversal);
+  if (!options.growth) run_part("traversal", bench::bench_traversal);
+  if (growth) run_part("traversal", bench::bench_growth);
   run_part("path", bench::bench_path);
   run_part("build", bench::bench_build);
   run_part("start", bench::bench_start);
+  if (all && !options.measurement.scene && !options.measurement.triangles) table.print_targets();
   if (options.json) table.write_json(*options.json);
   return Exit::success;
 }
@@ -62,7 +67,7 @@ Command bench_command(CLI::App& program) {
           [options](const std::string& given) {
             options->measurement.triangles = whole_number("--triangles", given, bench::least_triangles, 100'000'000);
           },
-          "size of the generated mesh, without a scene")
+          "size of the generated mesh, in place of a scene")
       ->type_name("N");
   line.add_option_function<std::string>(
           "--rounds",
@@ -70,12 +75,14 @@ Command bench_command(CLI::App& program) {
           "repetitions, of which the median is taken; default: 7")
       ->type_name("N");
   line.add_option("--json", options->json, "write the figures to a file, too")->type_name("FILE");
-  line.add_flag("--growth", options->measurement.growth, "traversal: the cost of a ray from 10 thousand to 10 million triangles");
+  line.add_flag("--growth", options->growth, "traversal: only the cost of a ray from 10 thousand to 10 million triangles");
   add_device(line, options->measurement.device);
   return {&line, [options] {
             check_part(options->part);
             if (options->measurement.scene && options->measurement.triangles)
               throw Error(Exit::usage, "--triangles: expected no SCENE beside it");
+            if (options->growth && (options->measurement.scene || options->measurement.triangles))
+              throw Error(Exit::usage, "--growth: expected neither SCENE nor --triangles beside it");
             return run(*options);
           }};
 }

@@ -52,7 +52,10 @@ struct Prepared {
   EmbreeScene oracle;
   std::vector<RaySet> sets;
 
-  explicit Prepared(std::size_t triangles) : scene(place_scene(bench::world_of(terrain(triangles)))), oracle(scene), sets(ray_sets(scene, [this](const auto& rays) { return closest(rays); })) {}
+  explicit Prepared(std::size_t triangles)
+      : scene(place_scene(bench::world_of(terrain(triangles)))),
+        oracle(scene),
+        sets(ray_sets(scene, [this](const auto& rays) { return closest(rays); })) {}
 
   std::vector<Hit> closest(const std::vector<Ray>& rays) const {
     std::vector<Hit> hits;
@@ -71,7 +74,8 @@ Row row(const std::string& name) { return {name, "s", 1.5, 3.0, Spread{2.0, 1.75
 }  // namespace
 
 TEST(bench_test, terrain_is_closed_lies_in_its_box_and_has_the_asked_number_of_triangles) {
-  for (const std::size_t n : {least_triangles, std::size_t{1001}, std::size_t{5000}, std::size_t{20'000}, std::size_t{70'001}}) {
+  for (const std::size_t n :
+       {least_triangles, std::size_t{1001}, std::size_t{5000}, std::size_t{20'000}, std::size_t{70'001}}) {
     const Mesh mesh = terrain(n);
     EXPECT_EQ(mesh.triangles.size(), n - n % 2);
     EXPECT_EQ(furthest(mesh), 1.0);
@@ -141,7 +145,9 @@ TEST(bench_test, every_ray_without_an_end_starts_inside_the_box_and_hits) {
     for (const Ray& ray : set.rays)
       for (const float c : {ray.origin.x, ray.origin.y, ray.origin.z}) outside += !(std::abs(c) <= 1.0f);
     EXPECT_EQ(outside, 0u) << set.name;
-    if (!set.any_hit) { EXPECT_EQ(missed(prepared().closest(set.rays)), 0u) << set.name; }
+    if (!set.any_hit) {
+      EXPECT_EQ(missed(prepared().closest(set.rays)), 0u) << set.name;
+    }
   }
 }
 
@@ -244,7 +250,8 @@ TEST(bench_test, a_render_of_n_segments_records_n_rays_a_pixel_in_a_closed_room)
 TEST(bench_test, contenders_take_turns_and_the_first_turn_is_not_counted) {
   std::string order;
   const auto contender = [&order](char name, double seconds) {
-    return Contender{[&order, name] { order += static_cast<char>(name + 'a' - 'A'); }, [&order, name, seconds] {
+    return Contender{[&order, name] { order += static_cast<char>(name + 'a' - 'A'); },
+                     [&order, name, seconds] {
                        order += name;
                        return seconds;
                      }};
@@ -263,7 +270,8 @@ TEST(bench_test, the_median_of_an_even_number_of_values_lies_between_the_middle_
 }
 
 TEST(bench_test, ratios_are_formed_round_by_round) {
-  EXPECT_EQ(ratio_of({1.0, 6.0, 4.0}, {1.0, 2.0, 2.0}).median, 2.0);  // of the medians it would be 4 / 2 as well, of the sums 11 / 5
+  EXPECT_EQ(ratio_of({1.0, 6.0, 4.0}, {1.0, 2.0, 2.0}).median,
+            2.0);  // of the medians it would be 4 / 2 as well, of the sums 11 / 5
   EXPECT_EQ(ratio_of({1.0, 10.0, 100.0}, {1.0, 5.0, 20.0}).most, 5.0);
 }
 
@@ -295,7 +303,9 @@ TEST(bench_test, the_list_of_targets_tells_what_is_met_what_is_not_and_what_was_
     const std::size_t at = text.str().find("\n" + name + "  ") + 1;
     return text.str().substr(at, text.str().find('\n', at) - at);
   };
-  const auto ends_with = [](const std::string& said, const std::string& end) { return said.size() > end.size() && said.substr(said.size() - end.size()) == end; };
+  const auto ends_with = [](const std::string& said, const std::string& end) {
+    return said.size() > end.size() && said.substr(said.size() - end.size()) == end;
+  };
   EXPECT_TRUE(ends_with(line(targets[0].name), "  met")) << text.str();
   EXPECT_TRUE(ends_with(line(targets[1].name), "  NOT met"));
   for (std::size_t i = 2; i < std::size(targets); ++i) EXPECT_TRUE(ends_with(line(targets[i].name), "  not measured"));
@@ -322,7 +332,8 @@ TEST(bench_test, json_has_every_setting_and_row_and_another_table_takes_them_fro
   EXPECT_EQ(json["rows"][1]["target"]["met"], true);
   EXPECT_FALSE(json["rows"][2].contains("ratio"));
   EXPECT_EQ(json["notes"][0], "a remark");
-  for (const char* said : {"machine", "one", "three", "a remark"}) EXPECT_NE(text.str().find(said), std::string::npos) << said;
+  for (const char* said : {"machine", "one", "three", "a remark"})
+    EXPECT_NE(text.str().find(said), std::string::npos) << said;
 
   std::ostringstream silence;
   Table other(silence);
@@ -372,7 +383,8 @@ TEST(bench_test, the_command_writes_a_row_for_every_target_of_the_traversal) {
       EXPECT_TRUE(names.count("1k " + name.substr(4))) << name;
     }
   }
-  for (const char* setting : {"machine", "load", "device", "Embree", "rounds"}) EXPECT_TRUE(json["settings"].contains(setting)) << setting;
+  for (const char* setting : {"machine", "load", "device", "Embree", "rounds"})
+    EXPECT_TRUE(json["settings"].contains(setting)) << setting;
 }
 
 TEST(bench_test, the_command_refuses_what_it_does_not_know_in_one_line) {
@@ -380,7 +392,8 @@ TEST(bench_test, the_command_refuses_what_it_does_not_know_in_one_line) {
       {{"bench", "speed"}, "PART 'speed': expected traversal, path, build, start or all"},
       {{"bench", "traversal", "--triangles", "999"}, "--triangles '999': expected a whole number from 1000 to 100000000"},
       {{"bench", "traversal", "--rounds", "0"}, "--rounds '0': expected a whole number from 1 to 1000"},
-      {{"bench", "traversal", "--growth", "--triangles", "1000"}, "--growth: expected neither SCENE nor --triangles beside it"},
+      {{"bench", "traversal", "--growth", "--triangles", "1000"},
+       "--growth: expected neither SCENE nor --triangles beside it"},
       {{"bench", "traversal", "a.xml", "--triangles", "1000"}, "--triangles: expected no SCENE beside it"},
   };
   for (const auto& [arguments, message] : cases) {

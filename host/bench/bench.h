@@ -14,7 +14,7 @@ namespace oclair::bench {
 struct Options {
   std::optional<std::filesystem::path> scene;  // otherwise: generated meshes
   Definitions definitions;
-  std::optional<std::uint64_t> triangles;      // of the generated mesh; otherwise: those that the targets are about
+  std::optional<std::uint64_t> triangles;  // of the generated mesh; otherwise: those that the targets are about
   unsigned rounds = 7;
   std::string device;
 };

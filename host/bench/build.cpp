@@ -19,7 +19,8 @@ namespace {
 double bytes_per_triangle(const Scene& scene, const Bvh& bvh) {
   double bytes = 0.0;
   for (const BufferPlan& buffer : plan_buffers(scene, bvh))
-    for (const char* name : {"nodes", "triangle blocks", "triangle shapes", "triangle vertices", "normals", "texture coordinates"})
+    for (const char* name :
+         {"nodes", "triangle blocks", "triangle shapes", "triangle vertices", "normals", "texture coordinates"})
       if (buffer.name == name) bytes += static_cast<double>(buffer.bytes);
   return bytes / static_cast<double>(scene.triangles.size());
 }
@@ -31,14 +32,15 @@ void compare(const Options& options, const Subject& subject, bool one_core, Tabl
   const int width = 8;
   std::unique_ptr<EmbreePeer> peer;
   const auto timed_here = one_core ? timed_on_cpu : timed;
-  const std::vector<Seconds> seconds = measure(
-      {{{}, timed_here([&] { build_bvh(scene, width); })},
-       {[&] { peer = std::make_unique<EmbreePeer>(scene, false, ""); }, timed_here([&] { peer->commit(); })}},
-      options.rounds);
-  table.add({subject.name + " build, " + (one_core ? "one core" : "all cores") + ": rtcCommitScene", "s", spread_of(seconds[0]).median,
-             spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
+  const std::vector<Seconds> seconds =
+      measure({{{}, timed_here([&] { build_bvh(scene, width); })},
+               {[&] { peer = std::make_unique<EmbreePeer>(scene, false, ""); }, timed_here([&] { peer->commit(); })}},
+              options.rounds);
+  table.add({subject.name + " build, " + (one_core ? "one core" : "all cores") + ": rtcCommitScene", "s",
+             spread_of(seconds[0]).median, spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
   if (one_core) return;
-  table.add({subject.name + " device memory per triangle", "bytes", bytes_per_triangle(scene, build_bvh(scene, width)), {}, {}});
+  table.add(
+      {subject.name + " device memory per triangle", "bytes", bytes_per_triangle(scene, build_bvh(scene, width)), {}, {}});
 }
 
 void measure_large_render(Table& table) {
@@ -48,8 +50,9 @@ void measure_large_render(Table& table) {
     write_terrain_scene(terrain(triangles), directory.path(), 1024);
     return std::string();
   });
-  const ProgramRun run =
-      run_program({"render", (directory.path() / "terrain.xml").string(), "--spp", "1", "-o", (directory.path() / "terrain.exr").string()}, {});
+  const ProgramRun run = run_program({"render", (directory.path() / "terrain.xml").string(), "--spp", "1", "-o",
+                                      (directory.path() / "terrain.exr").string()},
+                                     {});
   table.add({"10M at 1024x1024, process memory", "GiB", run.peak_bytes / (1024.0 * 1024.0 * 1024.0), {}, {}});
   table.add({"10M at 1024x1024, start to end", "s", run.seconds, {}, {}});
 }

@@ -52,7 +52,9 @@ bool read_all(int file, void* data, std::size_t bytes) {
 // An answer: 0 or the exit code of an Error; the length of what follows; the result or the message.
 void answer(int file, int code, const std::string& text) {
   const std::size_t length = text.size();
-  if (!write_all(file, &code, sizeof code) || !write_all(file, &length, sizeof length) || !write_all(file, text.data(), length)) _exit(1);
+  if (!write_all(file, &code, sizeof code) || !write_all(file, &length, sizeof length) ||
+      !write_all(file, text.data(), length))
+    _exit(1);
 }
 
 template <class Run>
@@ -170,8 +172,11 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const std::fil
     wait4(child, &status, 0, &usage);
   });
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(Exit::render_failed, "oclair " + arguments[0] + " failed as a process of its own: expected it to render " + arguments[1]);
-  const auto seconds_in = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+    throw Error(Exit::render_failed,
+                "oclair " + arguments[0] + " failed as a process of its own: expected it to render " + arguments[1]);
+  const auto seconds_in = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return {seconds, seconds_in(usage.ru_utime) + seconds_in(usage.ru_stime), 1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 

@@ -31,13 +31,13 @@ class Worker {
 };
 
 struct ProgramRun {
-  double seconds;     // from its start to its end
+  double seconds;  // from its start to its end
   double cpu_seconds;
   double peak_bytes;  // most physical memory that it had at once
 };
 
-// The program that is running, with other arguments and in silence. pocl_cache: where PoCL keeps its kernels; empty: where it
-// always does. Throws Error(Exit::render_failed) if it fails.
+// The program that is running, with other arguments and in silence. pocl_cache: where PoCL keeps its kernels; empty: where
+// it always does. Throws Error(Exit::render_failed) if it fails.
 ProgramRun run_program(const std::vector<std::string>& arguments, const std::filesystem::path& pocl_cache);
 
 }  // namespace oclair::bench

@@ -37,8 +37,8 @@ EmbreePeer::EmbreePeer(const Scene& scene, bool robust, const std::string& confi
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* positions = static_cast<packed_float3*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(packed_float3), scene.positions.size()));
-  auto* triangles = static_cast<packed_uint3*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(packed_uint3), scene.triangles.size()));
+  auto* triangles = static_cast<packed_uint3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                       sizeof(packed_uint3), scene.triangles.size()));
   std::copy(scene.positions.begin(), scene.positions.end(), positions);
   std::copy(scene.triangles.begin(), scene.triangles.end(), triangles);
   rtcCommitGeometry(geometry);
@@ -140,7 +140,8 @@ std::string embree_description() {
   std::string isa = "unknown instruction set";
   const std::string supported = line_of(said.str(), "(supported)"), compiled = line_of(said.str(), "(compile time enabled)");
   for (const std::string name : {"SSE2", "SSE4.2", "AVX", "AVX2", "AVX512"})
-    if (supported.find(" " + name + " ") != std::string::npos && compiled.find(" " + name + " ") != std::string::npos) isa = name;
+    if (supported.find(" " + name + " ") != std::string::npos && compiled.find(" " + name + " ") != std::string::npos)
+      isa = name;
   const auto part = [device](RTCDeviceProperty property) { return std::to_string(rtcGetDeviceProperty(device, property)); };
   const std::string version = part(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + part(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
                               part(RTC_DEVICE_PROPERTY_VERSION_PATCH);

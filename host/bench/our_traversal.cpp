@@ -23,7 +23,8 @@ OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& 
 
 void OurTraversal::load(const std::vector<Ray>& rays) {
   count_ = rays.size();
-  rays_ = cl::Buffer(device_.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count_ * sizeof(Ray), const_cast<Ray*>(rays.data()));
+  rays_ = cl::Buffer(device_.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count_ * sizeof(Ray),
+                     const_cast<Ray*>(rays.data()));
   hits_ = cl::Buffer(device_.context, CL_MEM_WRITE_ONLY, count_ * sizeof(Hit));
   blocked_ = cl::Buffer(device_.context, CL_MEM_WRITE_ONLY, count_ * sizeof(cl_uint));
 }
@@ -37,7 +38,8 @@ void OurTraversal::run(bool any_hit) {
   for (std::size_t base = 0; base < count_; base += max_launch) {
     const std::size_t groups = (std::min(max_launch, count_ - base) + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE;
     kernel.setArg(next + 2, static_cast<cl_uint>(base));
-    device_.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * WORK_GROUP_SIZE), cl::NDRange(WORK_GROUP_SIZE));
+    device_.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * WORK_GROUP_SIZE),
+                                       cl::NDRange(WORK_GROUP_SIZE));
   }
   device_.queue.finish();
 }

@@ -19,7 +19,7 @@ class OurTraversal {
   OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh);
 
   void load(const std::vector<Ray>& rays);
-  void run(bool any_hit);  // over all rays; returns when it is done
+  void run(bool any_hit);                // over all rays; returns when it is done
   std::vector<Hit> hits() const;         // after run(false)
   std::vector<cl_uint> blocked() const;  // after run(true)
 

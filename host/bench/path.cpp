@@ -1,5 +1,5 @@
-// The whole path tracer: against the bare traversal of the very rays that it traces, on all cores against one, and the kernel
-// that is specialised to the scene against the one with everything in it.
+// The whole path tracer: against the bare traversal of the very rays that it traces, on all cores against one, and the
+// kernel that is specialised to the scene against the one with everything in it.
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -74,7 +74,8 @@ Worker::Actions one_core_actions(const Options& options, const Subject& subject,
   return actions;
 }
 
-// Seconds from the opened device to the compiled kernel, with nothing compiled before, and what PoCL has compiled until then.
+// Seconds from the opened device to the compiled kernel, with nothing compiled before, and what PoCL has compiled until
+// then.
 struct Compilation {
   double seconds, bytes;
 };
@@ -110,19 +111,21 @@ void compare_kernels(const Options& options, const Subject& subject, Worker& one
   table.add({name + "compile", "s", spread_of(times[0]).median, spread_of(times[1]).median, ratio_of(times[1], times[0])});
   table.add({name + "machine code", "KiB", special.bytes / 1024.0, full.bytes / 1024.0,
              Spread{full.bytes / special.bytes, full.bytes / special.bytes, full.bytes / special.bytes}});
-  const auto seconds = measure({{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(render_full); }}},
-                               options.rounds);
-  table.add({name + "render", "s", spread_of(seconds[0]).median, spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
+  const auto seconds = measure(
+      {{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(render_full); }}}, options.rounds);
+  table.add(
+      {name + "render", "s", spread_of(seconds[0]).median, spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
 }
 
 void compare_with_traversal(const Options& options, const Subject& subject, double samples, Worker& one_core, Table& table) {
   const double rays = one_core.run(count_closest) + one_core.run(count_any);
   if (rays == 0.0) {
-    table.note("  " + subject.name + ": has masks, whose shadow rays are more than one traversal each; no share of the traversal");
+    table.note("  " + subject.name +
+               ": has masks, whose shadow rays are more than one traversal each; no share of the traversal");
     return;
   }
-  const auto seconds = measure({{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(trace_rays); }}},
-                               options.rounds);
+  const auto seconds = measure(
+      {{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(trace_rays); }}}, options.rounds);
   const double render = spread_of(seconds[0]).median, trace = spread_of(seconds[1]).median;
   table.add({subject.name + " rays/s, share of the bare traversal", "Mrays/s", rays * 1e-6 / render, rays * 1e-6 / trace,
              ratio_of(seconds[1], seconds[0])});
@@ -142,10 +145,12 @@ void compare_cores(const Options& options, const Subject& subject, unsigned samp
   const auto seconds = measure({{{}, [&] { return all.run(0); }}, {{}, [&] { return one.run(0); }}}, options.rounds);
   const auto rate = [&](const Seconds& s) { return samples * pixels * 1e-6 / spread_of(s).median; };
   const std::string cores = std::to_string(core_count()) + " cores against one";
-  table.add({subject.name + " samples/s, " + cores, "Ms/s", rate(seconds[0]), rate(seconds[1]), ratio_of(seconds[1], seconds[0])});
+  table.add(
+      {subject.name + " samples/s, " + cores, "Ms/s", rate(seconds[0]), rate(seconds[1]), ratio_of(seconds[1], seconds[0])});
   // What more threads cost each other. On a machine that does nothing else, the ratio above is this one times the cores.
   const auto cpu = measure({{{}, [&] { return all.run(1); }}, {{}, [&] { return one.run(1); }}}, options.rounds);
-  table.add({subject.name + " samples per processor second, " + cores, "Ms/s", rate(cpu[0]), rate(cpu[1]), ratio_of(cpu[1], cpu[0])});
+  table.add({subject.name + " samples per processor second, " + cores, "Ms/s", rate(cpu[0]), rate(cpu[1]),
+             ratio_of(cpu[1], cpu[0])});
 }
 
 }  // namespace
@@ -157,8 +162,8 @@ void bench_path(const Options& options, Table& table) {
       const Settings settings = subject.make().settings;
       return std::to_string(std::uint64_t{settings.crop_width} * settings.crop_height);
     }));
-    table.heading("path tracer, " + subject.name + ": " + std::to_string(static_cast<long>(pixels)) + " pixels, " + std::to_string(samples) +
-                  " samples each, load " + load_average());
+    table.heading("path tracer, " + subject.name + ": " + std::to_string(static_cast<long>(pixels)) + " pixels, " +
+                  std::to_string(samples) + " samples each, load " + load_average());
     {
       Worker one_core([&] { return one_core_actions(options, subject, samples); });
       compare_with_traversal(options, subject, samples * pixels, one_core, table);

@@ -100,7 +100,10 @@ std::vector<RaySet> ray_sets(const Scene& scene, const Trace& trace) {
     shadow.push_back(ray_of(point, to_light / distance, distance));
     ao.push_back(ray_of(point, cosine_direction(normal, random_unit(i, 4), random_unit(i, 5)), ao_distance));
   }
-  return {{"primary", false, true, primary}, {"diffuse", false, false, diffuse}, {"shadow", true, true, shadow}, {"ao", true, false, ao}};
+  return {{"primary", false, true, primary},
+          {"diffuse", false, false, diffuse},
+          {"shadow", true, true, shadow},
+          {"ao", true, false, ao}};
 }
 
 }  // namespace oclair::bench

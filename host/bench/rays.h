@@ -28,8 +28,8 @@ using Trace = std::function<std::vector<Hit>(const std::vector<Ray>&)>;
 // Through the pixels of the scene's camera, its lens closed, moved forward to [-1, 1]^3.
 std::vector<Ray> camera_rays(const Scene& scene);
 
-// primary; diffuse: a cosine-distributed bounce from each primary hit; shadow: from there to points of a square below the top of the
-// scene; ao: cosine-distributed, of length ao_distance. A ray that misses has no bounce.
+// primary; diffuse: a cosine-distributed bounce from each primary hit; shadow: from there to points of a square below the
+// top of the scene; ao: cosine-distributed, of length ao_distance. A ray that misses has no bounce.
 std::vector<RaySet> ray_sets(const Scene& scene, const Trace& trace);
 
 }  // namespace oclair::bench

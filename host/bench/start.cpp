@@ -77,7 +77,8 @@ void bench_start(const Options& options, Table& table) {
     table.note("start: left out; a SCENE is needed where the source tree of oclair is not at hand");
     return;
   }
-  table.heading("start to first sample, without the loading of " + file->filename().string() + ", all cores, load " + load_average());
+  table.heading("start to first sample, without the loading of " + file->filename().string() + ", all cores, load " +
+                load_average());
   const TemporaryDirectory directory;
   std::vector<std::string> arguments = {"render", std::filesystem::absolute(*file).string(), "--spp", "1",
                                         "-o",     (directory.path() / "image.exr").string()};

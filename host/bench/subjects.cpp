@@ -29,9 +29,12 @@ Subject generated(std::size_t n) {
 
 std::string short_count(std::size_t count) {
   char text[32];
-  if (count >= 999500) std::snprintf(text, sizeof text, "%.3gM", static_cast<double>(count) * 1e-6);
-  else if (count >= 1000) std::snprintf(text, sizeof text, "%.3gk", static_cast<double>(count) * 1e-3);
-  else std::snprintf(text, sizeof text, "%zu", count);
+  if (count >= 999500)
+    std::snprintf(text, sizeof text, "%.3gM", static_cast<double>(count) * 1e-6);
+  else if (count >= 1000)
+    std::snprintf(text, sizeof text, "%.3gk", static_cast<double>(count) * 1e-3);
+  else
+    std::snprintf(text, sizeof text, "%zu", count);
   return text;
 }
 
@@ -48,7 +51,8 @@ std::vector<Subject> traversal_subjects(const Options& options, Table& table) {
     subjects.push_back({options.scene->stem().string(), [&options] {
                           Scene scene = triangles_of(read(options, *options.scene));
                           if (scene.triangles.empty())
-                            throw Error(Exit::scene, options.scene->string() + ": has no triangles; expected some to trace rays through");
+                            throw Error(Exit::scene,
+                                        options.scene->string() + ": has no triangles; expected some to trace rays through");
                           return scene;
                         }});
     return subjects;
@@ -63,15 +67,19 @@ std::vector<Subject> traversal_subjects(const Options& options, Table& table) {
   add("70k", [] { return terrain(70'000); });
   add("1.3M", [] { return terrain(1'300'000); });
   add("sticks 200k", [] { return sticks(200'000); });
-  if (scan_is_there()) add("bunny", [] { return in_box(scan()); });
-  else table.note(std::string("bunny: left out, ") + scan_file + " is absent (Debian's package glmark2-data)");
+  if (scan_is_there())
+    add("bunny", [] { return in_box(scan()); });
+  else
+    table.note(std::string("bunny: left out, ") + scan_file + " is absent (Debian's package glmark2-data)");
   return subjects;
 }
 
 std::vector<Subject> build_subjects(const Options& options) {
   if (options.scene) return path_subjects(options);
   if (options.triangles) return {generated(*options.triangles)};
-  return {generated(70'000), generated(1'300'000), {"1.3M smooth", [] { return place_scene(world_of(smooth(terrain(1'300'000)))); }},
+  return {generated(70'000),
+          generated(1'300'000),
+          {"1.3M smooth", [] { return place_scene(world_of(smooth(terrain(1'300'000)))); }},
           {"sticks 200k", [] { return place_scene(world_of(sticks(200'000))); }}};
 }
 

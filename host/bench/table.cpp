@@ -28,13 +28,16 @@ std::string padded(std::string text, std::size_t width, bool right = false) {
 std::string value_text(const std::optional<double>& value) { return value ? formatted("%.4g", *value) : ""; }
 
 std::string ratio_text(const std::optional<Spread>& ratio) {
-  return ratio ? formatted("%.3f", ratio->median) + " (" + formatted("%.3f", ratio->least) + "-" + formatted("%.3f", ratio->most) + ")"
+  return ratio ? formatted("%.3f", ratio->median) + " (" + formatted("%.3f", ratio->least) + "-" +
+                     formatted("%.3f", ratio->most) + ")"
                : "";
 }
 
 std::string verdict(const Target& target, const std::optional<double>& figure) {
   return (target.at_least ? ">= " : "<= ") + formatted("%.2f", target.value) +
-         (!figure ? "  not measured" : met(target, *figure) ? "  met" : "  NOT met");
+         (!figure                ? "  not measured"
+          : met(target, *figure) ? "  met"
+                                 : "  NOT met");
 }
 
 }  // namespace
@@ -55,7 +58,8 @@ void Table::setting(const std::string& name, const std::string& value) {
 }
 
 void Table::heading(const std::string& text) {
-  out_ << "\n" << text << "\n"
+  out_ << "\n"
+       << text << "\n"
        << padded("", name_width) << padded("ours", 10, true) << padded("peer", 10, true) << "  " << padded("unit", 10)
        << padded("ratio, median (range)", 24) << "target" << std::endl;
 }
@@ -66,8 +70,8 @@ void Table::note(const std::string& text) {
 }
 
 void Table::add(Row row) {
-  out_ << padded(row.name, name_width) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true) << "  "
-       << padded(row.unit, 10) << padded(ratio_text(row.ratio), 24);
+  out_ << padded(row.name, name_width) << padded(value_text(row.ours), 10, true) << padded(value_text(row.peer), 10, true)
+       << "  " << padded(row.unit, 10) << padded(ratio_text(row.ratio), 24);
   if (const auto target = target_of(row.name)) out_ << verdict(*target, figure_of(row));
   out_ << std::endl;
   rows_.push_back(std::move(row));
@@ -78,8 +82,8 @@ void Table::print_targets() const {
   for (const Target& target : targets) {
     const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.name == target.name; });
     const auto figure = row == rows_.end() ? std::nullopt : figure_of(*row);
-    out_ << padded(target.name, name_width) << padded(figure ? formatted("%.3f", *figure) : "-", 10, true) << "  " << verdict(target, figure)
-         << std::endl;
+    out_ << padded(target.name, name_width) << padded(figure ? formatted("%.3f", *figure) : "-", 10, true) << "  "
+         << verdict(target, figure) << std::endl;
   }
 }
 
@@ -94,7 +98,8 @@ std::string Table::json() const {
     if (row.peer) entry["peer"] = *row.peer;
     if (row.ratio) entry["ratio"] = {{"median", row.ratio->median}, {"least", row.ratio->least}, {"most", row.ratio->most}};
     if (const auto target = target_of(row.name))
-      entry["target"] = {{target->at_least ? "at_least" : "at_most", target->value}, {"met", met(*target, figure_of(row).value())}};
+      entry["target"] = {{target->at_least ? "at_least" : "at_most", target->value},
+                         {"met", met(*target, figure_of(row).value())}};
     document["rows"].push_back(std::move(entry));
   }
   document["notes"] = notes_;
@@ -107,7 +112,8 @@ void Table::take(const std::string& json) {
     Row row{entry["name"], entry["unit"], {}, {}, {}};
     if (entry.contains("ours")) row.ours = entry["ours"];
     if (entry.contains("peer")) row.peer = entry["peer"];
-    if (entry.contains("ratio")) row.ratio = Spread{entry["ratio"]["median"], entry["ratio"]["least"], entry["ratio"]["most"]};
+    if (entry.contains("ratio"))
+      row.ratio = Spread{entry["ratio"]["median"], entry["ratio"]["least"], entry["ratio"]["most"]};
     rows_.push_back(std::move(row));
   }
   for (const auto& note : document["notes"]) notes_.push_back(note);
@@ -116,7 +122,8 @@ void Table::take(const std::string& json) {
 void Table::write_json(const std::filesystem::path& file) const {
   std::ofstream stream(file);
   stream << json() << "\n";
-  if (!stream.flush()) throw Error(Exit::render_failed, file.string() + ": cannot be written, expected a file in a writable directory");
+  if (!stream.flush())
+    throw Error(Exit::render_failed, file.string() + ": cannot be written, expected a file in a writable directory");
 }
 
 }  // namespace oclair::bench

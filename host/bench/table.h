@@ -15,9 +15,9 @@ namespace oclair::bench {
 
 struct Row {
   std::string name;
-  std::string unit;                // of ours and peer's
+  std::string unit;  // of ours and peer's
   std::optional<double> ours, peer;
-  std::optional<Spread> ratio;     // what a target is about, unless it is about ours
+  std::optional<Spread> ratio;  // what a target is about, unless it is about ours
 };
 
 // What a target judges: the median ratio, or else ours.
@@ -32,8 +32,8 @@ class Table {
   void add(Row row);
   const std::vector<Row>& rows() const { return rows_; }
   Table empty_copy() const { return Table(out_); }
-  void take(const std::string& json);  // the rows and notes of another table, which has printed them
-  void print_targets() const;          // every target with what was measured
+  void take(const std::string& json);                        // the rows and notes of another table, which has printed them
+  void print_targets() const;                                // every target with what was measured
   void write_json(const std::filesystem::path& file) const;  // throws Error(Exit::render_failed)
   std::string json() const;
 

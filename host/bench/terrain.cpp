@@ -13,8 +13,8 @@
 namespace oclair::bench {
 namespace {
 
-constexpr double half_width = 0.98;    // of the hills: the box is a little wider
-constexpr double deepest = -0.98;      // apex of the cone that closes the hills from below
+constexpr double half_width = 0.98;  // of the hills: the box is a little wider
+constexpr double deepest = -0.98;    // apex of the cone that closes the hills from below
 constexpr std::size_t box_triangles = 12;
 constexpr std::size_t boulders = 48;
 constexpr double lamp_height = 0.95;
@@ -52,7 +52,8 @@ double value_noise(double x, double z) {
   const auto ix = static_cast<std::int64_t>(cell_x), iz = static_cast<std::int64_t>(cell_z);
   const auto smooth = [](double t) { return t * t * (3.0 - 2.0 * t); };
   const double u = smooth(x - cell_x), v = smooth(z - cell_z);
-  return glm::mix(glm::mix(lattice(ix, iz), lattice(ix + 1, iz), u), glm::mix(lattice(ix, iz + 1), lattice(ix + 1, iz + 1), u), v);
+  return glm::mix(glm::mix(lattice(ix, iz), lattice(ix + 1, iz), u),
+                  glm::mix(lattice(ix, iz + 1), lattice(ix + 1, iz + 1), u), v);
 }
 
 // From -0.7 to about 0.1: six octaves of noise.
@@ -65,8 +66,8 @@ double height(double x, double z) {
 
 constexpr std::size_t hill_triangles(std::size_t nx, std::size_t nz) { return 2 * nx * nz + 2 * (nx + nz); }
 
-// nx x nz cells of two triangles, closed from below by a cone over their rim; in the first `extra` cells one triangle is split
-// into three around a point of its own.
+// nx x nz cells of two triangles, closed from below by a cone over their rim; in the first `extra` cells one triangle is
+// split into three around a point of its own.
 void add_hills(Mesh& mesh, std::size_t nx, std::size_t nz, std::size_t extra) {
   const std::size_t first = mesh.positions.size();
   const auto vertex = [&](std::size_t x, std::size_t z) { return first + z * (nx + 1) + x; };
@@ -148,7 +149,8 @@ Mesh terrain(std::size_t triangles) {
   if (share >= boulder_triangles(3)) {
     const std::size_t stacks = largest_number(share, 3, boulder_triangles);
     for (std::size_t i = 0; i < boulders; ++i) {
-      const double x = 1.7 * random_unit(i, 0) - 0.85, z = 1.7 * random_unit(i, 1) - 0.85, radius = 0.03 + 0.09 * random_unit(i, 2);
+      const double x = 1.7 * random_unit(i, 0) - 0.85, z = 1.7 * random_unit(i, 1) - 0.85,
+                   radius = 0.03 + 0.09 * random_unit(i, 2);
       add_boulder(mesh, {x, height(x, z) + 0.6 * radius, z}, radius, stacks);
     }
   }
@@ -168,13 +170,15 @@ Mesh sticks(std::size_t triangles) {
     const double y = 2.0 * random_unit(i, 3) - 1.0, azimuth = glm::two_pi<double>() * random_unit(i, 4);
     const double r = std::sqrt(1.0 - y * y);
     const glm::dvec3 along(r * std::cos(azimuth), y, r * std::sin(azimuth));
-    const glm::dvec3 across = glm::normalize(glm::cross(along, std::abs(along.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+    const glm::dvec3 across =
+        glm::normalize(glm::cross(along, std::abs(along.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
     const glm::dvec3 up = glm::cross(along, across);
     const std::size_t first = mesh.positions.size();
     mesh.positions.push_back(center + 0.5 * length * along);
     for (int corner = 0; corner < 3; ++corner) {
       const double angle = glm::two_pi<double>() * corner / 3.0;
-      mesh.positions.push_back(center - 0.5 * length * along + 0.5 * thickness * (std::cos(angle) * across + std::sin(angle) * up));
+      mesh.positions.push_back(center - 0.5 * length * along +
+                               0.5 * thickness * (std::cos(angle) * across + std::sin(angle) * up));
     }
     add_triangle(mesh, first, first + 1, first + 2);
     add_triangle(mesh, first, first + 2, first + 3);
@@ -237,7 +241,8 @@ World world_of(Mesh mesh, Mesh lamps) {
 
   const glm::dvec3 eye(0.0, 0.45, 0.95), along = glm::normalize(glm::dvec3(0.0, -0.35, 0.0) - eye);
   const glm::dvec3 left = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), along));
-  world.camera.to_world = glm::dmat4(glm::dvec4(left, 0), glm::dvec4(glm::cross(along, left), 0), glm::dvec4(along, 0), glm::dvec4(eye, 1));
+  world.camera.to_world =
+      glm::dmat4(glm::dvec4(left, 0), glm::dvec4(glm::cross(along, left), 0), glm::dvec4(along, 0), glm::dvec4(eye, 1));
   world.camera.near_clip = 1e-4;
   world.film.width = world.film.height = world.film.crop_width = world.film.crop_height = 512;
   world.film.filter = FilterKind::box;

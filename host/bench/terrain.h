@@ -16,7 +16,8 @@ Mesh terrain(std::size_t triangles);
 // Thin sticks, tetrahedra of 0.25 x 0.004, in the same box: `triangles` of them, rounded down to a multiple of 4.
 Mesh sticks(std::size_t triangles);
 
-// A square light of 0.5 below the top of that box, and instead of it many small ones of the same power in all: two triangles each.
+// A square light of 0.5 below the top of that box, and instead of it many small ones of the same power in all: two triangles
+// each.
 Mesh lamp();
 Mesh small_lamps(std::size_t count);
 

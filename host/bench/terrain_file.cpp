@@ -24,8 +24,8 @@ void write_file(const std::filesystem::path& file, const std::string& content) {
 std::string ply_of(const Mesh& mesh) {
   std::string bytes = std::string("ply\nformat binary_") + (std::endian::native == std::endian::little ? "little" : "big") +
                       "_endian 1.0\nelement vertex " + std::to_string(mesh.positions.size()) +
-                      "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(mesh.triangles.size()) +
-                      "\nproperty list uchar int vertex_indices\nend_header\n";
+                      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   bytes.reserve(bytes.size() + 12 * mesh.positions.size() + 13 * mesh.triangles.size());
   for (const glm::dvec3& p : mesh.positions) append(bytes, pack(p));
   for (const glm::uvec3& t : mesh.triangles) {
@@ -46,7 +46,8 @@ void write_terrain_scene(const Mesh& mesh, const std::filesystem::path& director
     <float name="fov" value="90"/>
     <float name="near_clip" value="0.0001"/>
     <transform name="to_world"><lookat origin="0, 0.45, 0.95" target="0, -0.35, 0" up="0, 1, 0"/></transform>
-    <film type="hdrfilm"><integer name="width" value=")" + side + R"("/><integer name="height" value=")" + side + R"("/>
+    <film type="hdrfilm"><integer name="width" value=")" +
+                                            side + R"("/><integer name="height" value=")" + side + R"("/>
       <rfilter type="box"/></film>
   </sensor>
   <shape type="ply">

@@ -30,7 +30,8 @@ std::vector<Hit> traced(const std::vector<Ray>& rays, RTCScene scene) {
   return hits;
 }
 
-// Of hits that name another triangle, those at another distance are wrong; the others lie on an edge that both triangles have.
+// Of hits that name another triangle, those at another distance are wrong; the others lie on an edge that both triangles
+// have.
 void report_agreement(const std::string& name, const RaySet& set, OurTraversal& ours, SingleRays& singles, RTCScene robust,
                       Table& table) {
   std::size_t missed = 0, other_triangle = 0, other_distance = 0;
@@ -55,11 +56,12 @@ void report_agreement(const std::string& name, const RaySet& set, OurTraversal& 
     other_distance += !(std::abs(hits[i].t - theirs.t) <= 1e-5f);
   }
   table.note("  " + name + ": " + std::to_string(missed) + " of " + std::to_string(set.rays.size()) + " rays miss; " +
-             std::to_string(other_triangle) + " hit another triangle than with Embree robust, " + std::to_string(other_distance) +
-             " of them at another distance");
+             std::to_string(other_triangle) + " hit another triangle than with Embree robust, " +
+             std::to_string(other_distance) + " of them at another distance");
 }
 
-void compare(const Device& device, const std::string& subject, const RaySet& set, OurTraversal& ours, Peers& peers, unsigned rounds, Table& table) {
+void compare(const Device& device, const std::string& subject, const RaySet& set, OurTraversal& ours, Peers& peers,
+             unsigned rounds, Table& table) {
   ours.load(set.rays);
   SingleRays singles(set.rays);
   PacketRays packets(set.rays, set.coherent);
@@ -84,7 +86,8 @@ void compare(const Device& device, const std::string& subject, const RaySet& set
   const std::string names[] = {query + "1", query + "1 robust", query + "8" + (set.coherent ? " coherent" : "")};
   const auto rate = [&](const Seconds& s) { return static_cast<double>(set.rays.size()) * 1e-6 / spread_of(s).median; };
   for (std::size_t peer = 0; peer < std::size(names); ++peer)
-    table.add({name + ": " + names[peer], "Mrays/s", rate(seconds[0]), rate(seconds[peer + 1]), ratio_of(seconds[peer + 1], seconds[0])});
+    table.add({name + ": " + names[peer], "Mrays/s", rate(seconds[0]), rate(seconds[peer + 1]),
+               ratio_of(seconds[peer + 1], seconds[0])});
   report_agreement(name, set, ours, singles, peers.robust.scene(), table);
 }
 
@@ -108,7 +111,8 @@ LogarithmFit fit_of(const std::vector<std::pair<double, double>>& points) {
 
 std::string fit_text(const char* who, const LogarithmFit& fit) {
   char text[128];
-  std::snprintf(text, sizeof text, "  %s: %.0f + %.0f log2(n) ns, at most %.0f %% off a point", who, fit.a, fit.b, 100.0 * fit.worst);
+  std::snprintf(text, sizeof text, "  %s: %.0f + %.0f log2(n) ns, at most %.0f %% off a point", who, fit.a, fit.b,
+                100.0 * fit.worst);
   return text;
 }
 
@@ -122,9 +126,11 @@ void bench_traversal(const Options& options, Table& table) {
     const Bvh bvh = build_bvh(scene, device.bvh_width);
     OurTraversal ours(device, scene, bvh);
     Peers peers(scene);
-    table.heading("traversal, " + subject.name + ": " + std::to_string(scene.triangles.size()) + " triangles, BVH of width " +
-                  std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) + ", one thread, load " + load_average());
-    for (const RaySet& set : ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); }))
+    table.heading("traversal, " + subject.name + ": " + std::to_string(scene.triangles.size()) +
+                  " triangles, BVH of width " + std::to_string(bvh.width) + " and depth " + std::to_string(bvh.depth) +
+                  ", one thread, load " + load_average());
+    for (const RaySet& set :
+         ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peers.robust.scene()); }))
       if (!set.rays.empty()) compare(device, subject.name, set, ours, peers, options.rounds, table);
   }
 }
@@ -145,21 +151,24 @@ void bench_growth(const Options& options, Table& table) {
     const RaySet diffuse = ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peer.scene()); })[1];
     ours.load(diffuse.rays);
     SingleRays singles(diffuse.rays);
-    const std::vector<Seconds> seconds = measure({{{}, timed_on(device, [&] { ours.run(false); })},
-                                                  {[&] { singles.reset(); }, timed_on_cpu([&] {
-                                                     const FlushDenormals flush;
-                                                     singles.closest(peer.scene());
-                                                   })}},
-                                                 options.rounds);
-    const auto nanoseconds = [&](const Seconds& s) { return spread_of(s).median * 1e9 / static_cast<double>(diffuse.rays.size()); };
+    const std::vector<Seconds> seconds =
+        measure({{{}, timed_on(device, [&] { ours.run(false); })}, {[&] { singles.reset(); }, timed_on_cpu([&] {
+                                                                      const FlushDenormals flush;
+                                                                      singles.closest(peer.scene());
+                                                                    })}},
+                options.rounds);
+    const auto nanoseconds = [&](const Seconds& s) {
+      return spread_of(s).median * 1e9 / static_cast<double>(diffuse.rays.size());
+    };
     ours_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[0]));
     peer_points.emplace_back(static_cast<double>(count), nanoseconds(seconds[1]));
-    table.add({"growth " + short_count(count) + ": rtcIntersect1", "ns/ray", ours_points.back().second, peer_points.back().second,
-               ratio_of(seconds[1], seconds[0])});
+    table.add({"growth " + short_count(count) + ": rtcIntersect1", "ns/ray", ours_points.back().second,
+               peer_points.back().second, ratio_of(seconds[1], seconds[0])});
   }
   char text[96];
   std::snprintf(text, sizeof text, "  1000 times the triangles: ours costs %.1f times as much, rtcIntersect1 %.1f times",
-                ours_points.back().second / ours_points.front().second, peer_points.back().second / peer_points.front().second);
+                ours_points.back().second / ours_points.front().second,
+                peer_points.back().second / peer_points.front().second);
   table.note(text);
   table.note(fit_text("ours", fit_of(ours_points)));
   table.note(fit_text("rtcIntersect1", fit_of(peer_points)));

@@ -1,7 +1,8 @@
+#include "../bench/bench.h"
+
 #include <iostream>
 #include <memory>
 
-#include "../bench/bench.h"
 #include "../bench/child.h"
 #include "../bench/embree_peer.h"
 #include "../bench/machine.h"
@@ -36,7 +37,8 @@ Exit run(const BenchOptions& options) {
   table.setting("Embree", bench::in_child(bench::embree_description));
   table.setting("rounds", std::to_string(options.measurement.rounds));
   if (options.json) table.write_json(*options.json);  // a name that cannot be written fails now, not after the measurements
-  const bool all = options.part == "all", growth = options.growth || (all && !options.measurement.scene && !options.measurement.triangles);
+  const bool all = options.part == "all",
+             growth = options.growth || (all && !options.measurement.scene && !options.measurement.triangles);
   const auto run_part = [&](const char* part, void (*measure)(const bench::Options&, bench::Table&)) {
     if (options.part != part && !all) return;
     table.take(bench::in_child([&] {
@@ -71,7 +73,9 @@ Command bench_command(CLI::App& program) {
       ->type_name("N");
   line.add_option_function<std::string>(
           "--rounds",
-          [options](const std::string& given) { options->measurement.rounds = static_cast<unsigned>(whole_number("--rounds", given, 1, 1000)); },
+          [options](const std::string& given) {
+            options->measurement.rounds = static_cast<unsigned>(whole_number("--rounds", given, 1, 1000));
+          },
           "repetitions, of which the median is taken; default: 7")
       ->type_name("N");
   line.add_option("--json", options->json, "write the figures to a file, too")->type_name("FILE");

@@ -46,6 +46,8 @@ INLINE Ray camera_ray(const Camera *camera, float x, float y, float2 lens) {
   ray.t_max = fmin((camera->far_clip - camera->near_clip) * stretch, INFINITE_DISTANCE);
   ray.skip = NONE;
   ray.target = NONE;
+  ray.t_min = 0.0f;
+  ray.passed = 0u;
   camera_enter_scene(&ray);
   return ray;
 }

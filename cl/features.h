@@ -38,7 +38,8 @@
   X(ENVIRONMENT_MAP, 27, "an image of the light from around")                \
   X(THIN_LENS, 28, "camera with a lens")                                     \
   X(ORTHOGRAPHIC, 29, "orthographic camera")                                 \
-  X(MOMENTS, 30, "second moments of every pixel")
+  X(MOMENTS, 30, "second moments of every pixel")                            \
+  X(HIDDEN_EMITTERS, 31, "lights that the camera does not see")
 
 // What a user may ask for at the price of accuracy (-DAPPROXIMATIONS=<bits>): name, bit, how the image's header calls it.
 #define APPROXIMATION_LIST(X) X(SCHLICK, 0, "fresnel=schlick")
@@ -85,6 +86,7 @@ enum {
 #define HAS_NON_DELTAS (HAS(DIFFUSE) || HAS(OREN_NAYAR) || HAS(OREN_NAYAR_FAST) || HAS(DISNEY))
 #define HAS_AREA_LIGHTS (HAS(TRIANGLE_LIGHTS) || HAS(QUADRIC_LIGHTS))
 #define HAS_ENVIRONMENT (HAS(CONSTANT_LIGHT) || HAS(ENVIRONMENT_MAP))
+#define HAS_PASSAGES (HAS(OPACITY) || HAS(HIDDEN_EMITTERS))  // rays that go on behind what they have met
 #define HAS_LIGHTS (HAS_AREA_LIGHTS || HAS(POINT_LIGHTS) || HAS(SPOT_LIGHTS) || HAS(DIRECTIONAL_LIGHTS) || HAS_ENVIRONMENT)
 #endif
 

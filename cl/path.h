@@ -23,8 +23,6 @@ INLINE PathState path_begin(const Scene *scene, uint x, uint y, ulong key) {
   path.ray = camera_sample(scene, x, y, key);
   path.throughput = pack3((float3)(1.0f));
   path.radiance = pack3((float3)(0.0f));
-  path.origin = path.ray.origin;
-  path.travelled = 0.0f;
   path.eta = 1.0f;
   path.pdf = 0.0f;
   path.depth = 0;
@@ -40,12 +38,17 @@ INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) 
   path->radiance = pack3(unpack3(path->radiance) + unpack3(path->throughput) * emitted * weight);
 }
 
+INLINE bool path_hides_lights(const Scene *scene, const PathState *path) {
+  bool known = HAS(HIDDEN_EMITTERS);
+  return known && scene->settings->hide_emitters && path->depth == 0u;
+}
+
 INLINE void path_escape(const Scene *scene, PathState *path) {
   __global const Settings *settings = scene->settings;
   path->alive = 0;
   bool known = HAS_ENVIRONMENT;
   bool lit = known && settings->environment_probability > 0.0f;  // the kernel may know more than the scene has
-  if (!lit || (settings->hide_emitters && path->depth == 0u)) return;
+  if (!lit || path_hides_lights(scene, path)) return;
   path->hit_anything |= path->depth == 0u;
   float3 radiance = unpack3(settings->environment);
   float pdf = warp_sphere_pdf();
@@ -66,22 +69,31 @@ INLINE void path_emission(const Scene *scene, PathState *path, Hit hit, const Su
   }
   Light light = scene->lights[index];
   float cosine = dot(surface->geometric, -unpack3(path->ray.direction));
-  float pdf = path->pdf > 0.0f ? light_pdf(scene, &light, unpack3(path->origin), path->travelled + hit.t, cosine) : 0.0f;
+  float pdf = path->pdf > 0.0f ? light_pdf(scene, &light, unpack3(path->ray.origin), hit.t, cosine) : 0.0f;
   path_add_emission(path, light_radiance(scene, &light, &surface->at), pdf);
 }
 
-// The ray goes on behind what it hit, as if that were not there.
-INLINE void path_pass(Ray *ray, Hit hit, const Surface *surface) {
-  ray->origin = pack3(surface_offset(surface->position, surface->error, surface->geometric, unpack3(ray->direction)));
-  ray->t_max -= hit.t;
-  ray->skip = hit.primitive;
+// The ray goes on behind what it hit, as if that were not there. It keeps its origin, so that nothing behind is passed over,
+// however near it lies: every t is computed as it was before.
+INLINE void path_pass(Ray *ray, Hit hit) {
+  ray->t_min = hit.t;
+  ray->passed = hit.primitive;
 }
 
-INLINE void path_pass_through(PathState *path, Hit hit, const Surface *surface) {
-  path_pass(&path->ray, hit, surface);
-  path->travelled += hit.t;
+INLINE void path_pass_through(PathState *path, Hit hit) {
+  path_pass(&path->ray, hit);
   path->passes += 1u;
   if (path->passes >= HARD_DEPTH) path->alive = 0;
+}
+
+// Share of the light that goes through the hit. Of the triangles that meet where the ray runs along their edge or through their vertex,
+// all of which are hit, only one is in its way.
+INLINE float path_transparency(const Scene *scene, const Ray *ray, Hit hit, uint material, const TexturePoint *at) {
+  float share = material_transparency(scene, material, at);
+  bool at_edge = HAS(TRIANGLES) && !(hit.primitive & QUADRIC_BIT) && fmin(fmin(hit.b1, hit.b2), 1.0f - hit.b1 - hit.b2) < 0x1p-20f;
+  if (!at_edge || share == 0.0f) return share;
+  const Shear shear = shear_from_ray(ray);
+  return triangle_owns_hit(scene->blocks + hit.slot / BVH_WIDTH, hit.slot % BVH_WIDTH, &shear) ? share : 1.0f;
 }
 
 // Random bits of surface number `passes` that a path or a shadow ray of that depth meets: which material of a blend, and whether it
@@ -114,6 +126,8 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
   shadow.ray.t_max = sample.distance;
   shadow.ray.skip = primitive;
   shadow.ray.target = sample.primitive;
+  shadow.ray.t_min = 0.0f;
+  shadow.ray.passed = 0u;
   shadow.depth = path->depth;
   return shadow;
 }
@@ -137,8 +151,8 @@ INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *sur
   path->ray.direction = pack3(wi);
   path->ray.t_max = INFINITE_DISTANCE;
   path->ray.skip = primitive;
-  path->origin = path->ray.origin;
-  path->travelled = 0.0f;
+  path->ray.t_min = 0.0f;
+  path->ray.passed = 0u;
   path->depth += 1;
 
   // Russian roulette by the throughput, without the radiance scaling of the media that the path is in. Never by radiance: then
@@ -162,8 +176,8 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   }
   Surface surface = surface_from_hit(scene, &path->ray, hit);
   Shape shape = scene->shapes[surface.shape];
-  if (HAS_AREA_LIGHTS && scene->settings->hide_emitters && path->depth == 0u && shape.first_light != NONE) {
-    path_pass_through(path, hit, &surface);
+  if (shape.first_light != NONE && path_hides_lights(scene, path)) {
+    path_pass_through(path, hit);
     return none;
   }
   path_emission(scene, path, hit, &surface, shape);
@@ -172,8 +186,8 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   if (material_index != NONE) {
     ulong bits = path_surface_bits(key, path->depth, path->passes, false);
     material_index = material_select(scene, material_index, &surface.at, (uint)(bits >> 32));
-    if (HAS(OPACITY) && rng_unit((uint)bits) < material_transparency(scene, material_index, &surface.at)) {
-      path_pass_through(path, hit, &surface);
+    if (HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, &path->ray, hit, material_index, &surface.at)) {
+      path_pass_through(path, hit);
       return none;
     }
   }
@@ -212,9 +226,9 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong 
     uint index = surface.front ? shape.material_front : shape.material_back;
     if (index == NONE) return 0.0f;
     index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(key, shadow->depth, passes, true) >> 32));
-    share *= material_transparency(scene, index, &surface.at);
+    share *= path_transparency(scene, &ray, hit, index, &surface.at);
     if (!(share > 0.0f)) return 0.0f;
-    path_pass(&ray, hit, &surface);
+    path_pass(&ray, hit);
   }
   return 0.0f;
 }

@@ -34,16 +34,17 @@ INLINE bool quadric_roots(float3 o, float3 d, float *near, float *far) {
   return true;
 }
 
-// Smallest t in (0, t_max] at which the ray meets the quadric, or INFINITE_DISTANCE. A ray that starts on it (starts) has a root at
+// Smallest t > 0 in [t_min, t_max] at which the ray meets the quadric, or INFINITE_DISTANCE. A ray that starts on it (starts) has a root at
 // 0 up to rounding, which is left out whatever its sign; a ray that ends on it at t_max (ends) likewise has one there. Nothing of a
 // disk, or of a sphere whose front is outside, can be in the way of a ray that ends on its front; a near wall can.
-INLINE float quadric_intersect(const Quadric *quadric, float3 origin, float3 direction, float t_max, bool starts, bool ends) {
+INLINE float quadric_intersect(const Quadric *quadric, float3 origin, float3 direction, float t_min, float t_max, bool starts,
+                               bool ends) {
   float3 o = quadric_to_local(quadric, origin - unpack3(quadric->center));
   float3 d = quadric_to_local(quadric, direction);
   if (HAS(DISKS) && quadric->kind == QUADRIC_DISK) {
     float t = -o.z / d.z;
     float2 q = fma(d.xy, (float2)(t), o.xy);
-    bool hit = !starts && !ends && t > 0.0f && t <= t_max && dot(q, q) <= 1.0f;
+    bool hit = !starts && !ends && t > 0.0f && t >= t_min && t <= t_max && dot(q, q) <= 1.0f;
     return hit ? t : INFINITE_DISTANCE;
   }
   bool cylinder = HAS(CYLINDERS) && quadric->kind == QUADRIC_CYLINDER;
@@ -57,7 +58,7 @@ INLINE float quadric_intersect(const Quadric *quadric, float3 origin, float3 dir
     float t = root[i];
     float z = fma(d.z, t, o.z);
     bool in_range = !cylinder || (z >= 0.0f && z <= 1.0f);
-    if (t > 0.0f && t <= t_max && i != own && i != end && in_range) return t;
+    if (t > 0.0f && t >= t_min && t <= t_max && i != own && i != end && in_range) return t;
   }
   return INFINITE_DISTANCE;
 }

@@ -16,13 +16,22 @@ typedef uint4 uintw;
 #error "BVH_WIDTH must be 4 or 8"
 #endif
 
-#ifndef __has_builtin
-#define __has_builtin(name) 0
+// What x86 does in one instruction and OpenCL C has no word for: only where the compiler knows it (oclgrind's does not).
+#if defined(__x86_64__) && defined(__has_builtin)
+#define HAS_BUILTIN(name) __has_builtin(name)
+#else
+#define HAS_BUILTIN(name) 0
+#endif
+
+#if HAS_BUILTIN(__builtin_prefetch)
+#define PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PREFETCH(address) ((void)(address))
 #endif
 
 // Bit i is set where lane i of a comparison's result is true (-1).
 INLINE uint lane_mask(intw m) {
-#if BVH_WIDTH == 8 && defined(__x86_64__) && defined(__AVX__) && __has_builtin(__builtin_ia32_movmskps256)
+#if BVH_WIDTH == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_movmskps256)
   return (uint)__builtin_ia32_movmskps256(as_float8(m));
 #elif BVH_WIDTH == 8
   return (m.s0 & 1) | (m.s1 & 2) | (m.s2 & 4) | (m.s3 & 8) | (m.s4 & 16) | (m.s5 & 32) | (m.s6 & 64) | (m.s7 & 128);
@@ -37,7 +46,14 @@ typedef union Lanes {
   float lane[BVH_WIDTH];
 } Lanes;
 
-INLINE uint lowest_lane(uint mask) { return 31u - clz(mask & -mask); }
+// Number of the lowest bit of a mask that is not 0.
+INLINE uint lowest_lane(uint mask) {
+#if HAS_BUILTIN(__builtin_ctz)
+  return (uint)__builtin_ctz(mask);
+#else
+  return 31u - clz(mask & -mask);
+#endif
+}
 
 // A ray as the triangle test wants it: axis kz is the one along which the direction is longest.
 typedef struct Shear {

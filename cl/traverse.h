@@ -1,6 +1,7 @@
 // Closest-hit and any-hit traversal of the wide BVH.
 //   push the root; until the stack is empty: a leaf -> intersect its blocks; a node -> test its boxes, take the nearest child at
 //   once and push the others, farthest first, with their distances; a popped child beyond the nearest hit is dropped.
+//   Any hit: in whatever order, without distances.
 // Equal distances go to the smaller primitive id, so that the result does not depend on the tree.
 #ifndef OCLAIR_TRAVERSE_H
 #define OCLAIR_TRAVERSE_H
@@ -13,9 +14,9 @@
 #define STACK_SIZE 64  // >= (BVH_WIDTH - 1) * depth + 1: host/bvh.h, Bvh::stack_size
 #endif
 
-// Bits of the children whose box the ray meets in [0, t_max]; *t_near holds where it enters them. Boxes are padded on the
+// Bits of the children whose box the ray meets in [t_min, t_max], t_min >= 0; *t_near holds where it enters them. Boxes are padded on the
 // host, so that this test is conservative (host/bvh.cpp).
-INLINE uint node_intersect(__global const BvhNode *node, const Slabs *ray, float t_max, Lanes *t_near) {
+INLINE uint node_intersect(__global const BvhNode *node, const Slabs *ray, float t_min, float t_max, Lanes *t_near) {
 #define PLANE(row, axis) \
   fma(*(__global const floatw *)node->bounds[row], (floatw)(ray->reciprocal.axis), (floatw)(ray->offset.axis))
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))
@@ -23,7 +24,7 @@ INLINE uint node_intersect(__global const BvhNode *node, const Slabs *ray, float
   floatw near_x = PLANE(ray->near[0], x), far_x = PLANE(ray->near[0] ^ 1u, x);
   floatw near_y = PLANE(ray->near[1], y), far_y = PLANE(ray->near[1] ^ 1u, y);
   floatw near_z = PLANE(ray->near[2], z), far_z = PLANE(ray->near[2] ^ 1u, z);
-  floatw near = LARGER(LARGER(near_x, near_y), LARGER(near_z, (floatw)(0.0f)));
+  floatw near = LARGER(LARGER(near_x, near_y), LARGER(near_z, (floatw)(t_min)));
   floatw far = SMALLER(SMALLER(far_x, far_y), SMALLER(far_z, (floatw)(t_max)));
 #undef PLANE
 #undef LARGER
@@ -34,6 +35,20 @@ INLINE uint node_intersect(__global const BvhNode *node, const Slabs *ray, float
 
 INLINE bool closer(float t, uint primitive, const Hit *hit) {
   return t < hit->t || (t == hit->t && primitive < hit->primitive);
+}
+
+// Least t of a hit on the primitive that the ray has not gone through yet.
+INLINE float traverse_start(const Ray *ray, uint primitive) {
+  if (!HAS_PASSAGES) return 0.0f;
+  return primitive > ray->passed ? ray->t_min : nextafter(ray->t_min, INFINITE_DISTANCE);
+}
+
+// Asks for what a child on the stack holds, a node or the first block of a leaf: it is met some hundred cycles later. Of a quadric
+// that address means nothing, which does no harm.
+INLINE void traverse_prefetch(const Scene *scene, uint child) {
+  __global const char *at = child & LEAF_BIT ? (__global const char *)(scene->blocks + (child & LEAF_INDEX_MASK))
+                                             : (__global const char *)(scene->nodes + child);
+  for (uint line = 0; line < sizeof(TriangleBlock); line += 64u) PREFETCH(at + line);
 }
 
 // Both traversals: any_hit is a constant at each call. Closest: updates *hit, whose t is the ray's t_max and whose primitive is
@@ -49,12 +64,16 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
     if (!(current & LEAF_BIT)) {
       __global const BvhNode *node = scene->nodes + current;
       Lanes near;
-      uint mask = node_intersect(node, &slabs, hit->t, &near);
+      uint mask = node_intersect(node, &slabs, HAS_PASSAGES ? ray->t_min : 0.0f, hit->t, &near);
       if (mask) {
         uint lane = lowest_lane(mask);
         mask &= mask - 1u;
         current = node->child[lane];
         if (!mask) continue;
+        if (any_hit) {
+          for (; mask; mask &= mask - 1u) stack_child[top++] = node->child[lowest_lane(mask)];
+          continue;
+        }
         float current_near = near.lane[lane];
         // Insertion sort of the rest on the stack; the nearest stays in `current`.
         int bottom = top;
@@ -79,6 +98,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
           }
           stack_near[i] = child_near;
           stack_child[i] = child;
+          traverse_prefetch(scene, child);
         }
         continue;
       }
@@ -94,6 +114,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
             uint lane = lowest_lane(mask);
             uint primitive = block->primitive[lane];
             if (primitive == ray->skip || primitive == ray->target) continue;
+            if (HAS_PASSAGES && t.lane[lane] < traverse_start(ray, primitive)) continue;
             if (!any_hit && !closer(t.lane[lane], primitive, hit)) continue;
             hit->t = t.lane[lane];
             hit->b1 = b1.lane[lane];
@@ -107,8 +128,8 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
       if (HAS_QUADRICS && count == 0u) {
         Quadric quadric = scene->quadrics[first];
         uint primitive = QUADRIC_BIT | first;
-        float t = quadric_intersect(&quadric, unpack3(ray->origin), unpack3(ray->direction), hit->t, primitive == ray->skip,
-                                    primitive == ray->target);
+        float t = quadric_intersect(&quadric, unpack3(ray->origin), unpack3(ray->direction), traverse_start(ray, primitive),
+                                    hit->t, primitive == ray->skip, primitive == ray->target);
         if (t < INFINITE_DISTANCE && (any_hit || closer(t, primitive, hit))) {
           hit->t = t;
           hit->primitive = primitive;
@@ -119,7 +140,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
     do {
       if (top == 0) return;
       --top;
-    } while (stack_near[top] > hit->t);
+    } while (!any_hit && stack_near[top] > hit->t);
     current = stack_child[top];
   }
 }

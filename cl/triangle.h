@@ -36,4 +36,27 @@ INLINE uint triangle_block_intersect(__global const TriangleBlock *block, const 
   return lane_mask(inside & (distance > 0.0f) & (distance <= t_max));
 }
 
+// Edge function of the directed edge from a to b, vertices in the plane across the ray as above, and, where it is 0, the sign that it
+// takes when the ray is moved by an infinitesimal step along +x and one infinitely smaller along -y.
+INLINE float triangle_edge_side(float2 a, float2 b) {
+  float side = b.x * a.y - b.y * a.x;
+  if (side == 0.0f) side = b.y - a.y;
+  return side == 0.0f ? b.x - a.x : side;
+}
+
+// A ray that meets an edge or a vertex within rounding hits every triangle there. One of those on a sheet owns the hit: the one that
+// the ray would meet if it were moved as above (simulation of simplicity, Edelsbrunner and Muecke 1990). For a lane that is hit.
+INLINE bool triangle_owns_hit(__global const TriangleBlock *block, uint lane, const Shear *ray) {
+  float2 across[3];
+  for (uint i = 0; i < 3; ++i) {
+    float z = block->vertex[i][ray->kz][lane] - ray->origin_z;
+    across[i].x = fma(-ray->shear_x, z, block->vertex[i][ray->kx][lane] - ray->origin_x);
+    across[i].y = fma(-ray->shear_y, z, block->vertex[i][ray->ky][lane] - ray->origin_y);
+  }
+  float u = triangle_edge_side(across[1], across[2]);
+  float v = triangle_edge_side(across[2], across[0]);
+  float w = triangle_edge_side(across[0], across[1]);
+  return (u > 0.0f && v > 0.0f && w > 0.0f) || (u < 0.0f && v < 0.0f && w < 0.0f);
+}
+
 #endif

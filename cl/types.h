@@ -34,13 +34,16 @@ typedef struct packed_uint3 {
   uint x, y, z;
 } packed_uint3;
 
-// A ray. Direction of unit length for paths. Hits are looked for in 0 < t <= t_max (closest) or 0 < t < t_max (any).
+// A ray. Direction of unit length for paths. Hits are looked for in 0 < t <= t_max (closest) or 0 < t < t_max (any). Hits are in order
+// of (t, primitive); of a ray that has gone through some, only those after (t_min, passed) are left for the closest one.
 typedef struct Ray {
   packed_float3 origin;
   float t_max;
   packed_float3 direction;
   uint skip;    // primitive that the ray starts on, or NONE: it cannot be hit again (a quadric: not at its near root)
   uint target;  // shadow rays: primitive of the light that the ray ends on, or NONE: it does not shadow itself
+  float t_min;  // where it went through the last one; 0 at first
+  uint passed;  // and which that was
 } Ray;
 
 typedef struct Hit {
@@ -221,8 +224,6 @@ typedef struct PathState {
   Ray ray;
   packed_float3 throughput;
   packed_float3 radiance;
-  packed_float3 origin;  // where its direction was chosen: behind surfaces that let it through, the ray starts later
-  float travelled;       // and how far that is
   float eta;         // product of the relative indices crossed: undoes the radiance scaling in Russian roulette
   float pdf;         // solid-angle density of the sampled direction; 0 after a delta scattering or from the camera
   uint depth;        // segments finished

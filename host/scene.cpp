@@ -243,6 +243,8 @@ Features features_of(const Scene& scene, const World& world) {
   }
   if (world.camera.orthographic) features |= FEATURE_ORTHOGRAPHIC;
   if (world.camera.aperture_radius > 0.0) features |= FEATURE_THIN_LENS;
+  constexpr Features SEEN_LIGHTS = FEATURE_TRIANGLE_LIGHTS | FEATURE_QUADRIC_LIGHTS | FEATURE_CONSTANT_LIGHT | FEATURE_ENVIRONMENT_MAP;
+  if (world.integrator.hide_emitters && (features & SEEN_LIGHTS)) features |= FEATURE_HIDDEN_EMITTERS;
   if (world.integrator.moments) features |= FEATURE_MOMENTS;
   return features;
 }

@@ -64,6 +64,8 @@ TEST(camera_test, rays_are_those_of_the_pinhole_with_principal_point_and_clip_pl
       EXPECT_NEAR(all[i].t_max, (0.4 - 0.01) * stretch, 24 * unit_roundoff);
       EXPECT_EQ(all[i].skip, NONE);
       EXPECT_EQ(all[i].target, NONE);
+      EXPECT_EQ(all[i].t_min, 0.0f);
+      EXPECT_EQ(all[i].passed, 0u);
     }
   }
 }
@@ -92,7 +94,7 @@ TEST(camera_test, rays_from_far_away_start_at_the_box_and_never_inside_it) {
       glm::dvec3 origin = random.direction();
       origin *= distance / std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
       const packed_float3 o = packed(origin);
-      far.push_back({o, static_cast<float>(2 * distance + 4), packed(glm::normalize(random.in_cube(1.0) - unpacked(o))), NONE, NONE});
+      far.push_back({o, static_cast<float>(2 * distance + 4), packed(glm::normalize(random.in_cube(1.0) - unpacked(o))), NONE, NONE, 0.0f, 0});
     }
     const std::vector<Ray> near = entered(far);
     std::size_t passed = 0, outside = 0;
@@ -126,9 +128,9 @@ TEST(camera_test, rays_from_inside_the_box_are_left_alone) {
   for (int i = 0; i < 1000; ++i) {
     packed_float3 d = packed(random.direction());
     if (i % 5 == 0) d = {0.0f, -0.0f, i % 2 ? 1.0f : -1.0f};
-    inside.push_back({packed(random.in_cube(1.0)), 2.0f, d, NONE, NONE});
+    inside.push_back({packed(random.in_cube(1.0)), 2.0f, d, NONE, NONE, 0.0f, 0});
   }
-  inside.push_back({{0.5f, -0.25f, 0.0f}, 2.0f, {1, 0, 0}, NONE, NONE});
+  inside.push_back({{0.5f, -0.25f, 0.0f}, 2.0f, {1, 0, 0}, NONE, NONE, 0.0f, 0});
   const std::vector<Ray> after = entered(inside);
   EXPECT_EQ(std::memcmp(after.data(), inside.data(), inside.size() * sizeof(Ray)), 0);
 }

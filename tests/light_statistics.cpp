@@ -197,7 +197,7 @@ TEST(light_statistics, no_light_shadows_itself) {
     const Scene scene = lit(view);
     std::vector<Ray> rays;
     for (const LightResult& s : sample_light(scene, 0, view.from, random_squares(count_or_small(200000, 100), 10)))
-      if (s.weight.x > 0.0f) rays.push_back({packed(view.from), s.distance, s.direction, NONE, s.primitive});
+      if (s.weight.x > 0.0f) rays.push_back({packed(view.from), s.distance, s.direction, NONE, s.primitive, 0.0f, 0});
     const std::vector<cl_uint> blocked = trace_any(scene, build_bvh(scene, 8), rays);
     EXPECT_EQ(std::count(blocked.begin(), blocked.end(), 1u), 0) << view.name << " of " << rays.size();
   }

@@ -1,3 +1,3 @@
-// lane_mask as devices without x86 vectors compile it.
-#undef __AVX__
+// lane_mask and lowest_lane as devices other than x86 compile them.
+#undef __x86_64__
 #include "node_test.cl"

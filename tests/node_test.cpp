@@ -1,4 +1,6 @@
 // node_intersect, the conservative box test, against long double on the same floats (extremes X7, X8).
+#include <bit>
+
 #include "../host/bvh.h"
 #include "kernel.h"
 #include "random.h"
@@ -17,11 +19,11 @@ struct Interval {
   bool hit() const { return near <= far; }
 };
 
-// Where the exact ray runs inside the box moved outwards by `margin` on every side, for 0 <= t <= t_max.
+// Where the exact ray runs inside the box moved outwards by `margin` on every side, for t_min <= t <= t_max.
 Interval exact_slab(const Box& box, const Ray& ray, long double margin) {
   const float low[3] = {box.low.x, box.low.y, box.low.z}, high[3] = {box.high.x, box.high.y, box.high.z};
   const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z}, d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  Interval result{0.0L, ray.t_max};
+  Interval result{ray.t_min, ray.t_max};
   for (int axis = 0; axis < 3; ++axis) {
     const long double below = low[axis] - margin - o[axis], above = high[axis] + margin - o[axis];
     if (d[axis] == 0.0f) {
@@ -87,7 +89,7 @@ Ray random_ray(const glm::dvec3& target, Random& random) {
     if (random.below(32) == 0) origin[axis] += 1e-9 * random.sign();
   }
   if (origin == target) origin.x = -origin.x + 0.5;
-  Ray ray{packed(origin), 1e30f, packed(glm::normalize(target - origin)), NONE, NONE};
+  Ray ray{packed(origin), 1e30f, packed(glm::normalize(target - origin)), NONE, NONE, 0.0f, 0};
   for (float* component : {&ray.direction.x, &ray.direction.y, &ray.direction.z})
     if (*component == 0.0f) *component = random.below(2) ? -0.0f : random.below(2) ? 0.0f : 1e-30f;
   return ray;
@@ -109,6 +111,7 @@ void no_box_is_missed(std::uint64_t seed, std::size_t groups) {
       set_child(nodes[i], lane, boxes[i][lane]);
     }
     rays[i] = random_ray(point_of(boxes[i][random.below(W)], random), random);
+    if (random.below(16) == 0) rays[i].t_min = static_cast<float>(random.between(0.0, 2.0));
   }
   const Answer<W> answer = intersect<W>(nodes, rays);
   std::size_t hits = 0, missed = 0, late = 0, false_hits = 0;
@@ -122,7 +125,7 @@ void no_box_is_missed(std::uint64_t seed, std::size_t groups) {
       false_hits += found && !exact_slab(boxes[i][lane], rays[i], 4 * 16 * unit_roundoff).hit();
     }
   }
-  EXPECT_GT(hits, groups);
+  EXPECT_GT(hits, groups / 2);
   EXPECT_EQ(missed, 0u) << "of " << hits;
   EXPECT_EQ(late, 0u) << "of " << hits;
   EXPECT_EQ(false_hits, 0u) << "further away than four paddings, of " << groups * W;
@@ -148,7 +151,7 @@ TEST(node_test, rays_along_the_axes_with_zeros_of_either_sign_hit_exactly_the_bo
           d[way / 2] = way % 2 ? -1.0f : 1.0f;
           d[(way / 2 + 1) % 3] = zeros & 1 ? -0.0f : 0.0f;
           d[(way / 2 + 2) % 3] = zeros & 2 ? -0.0f : 0.0f;
-          rays.push_back({{0.5f * (grid % 5 - 2), 0.5f * (grid / 5 % 5 - 2), 0.5f * (grid / 25 - 2)}, 1e30f, {d[0], d[1], d[2]}, NONE, NONE});
+          rays.push_back({{0.5f * (grid % 5 - 2), 0.5f * (grid / 5 % 5 - 2), 0.5f * (grid / 25 - 2)}, 1e30f, {d[0], d[1], d[2]}, NONE, NONE, 0.0f, 0});
           boxes.push_back(flat ? Box{{-0.5f, -0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}} : Box{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}});
           nodes.emplace_back();
           for (int lane = 0; lane < 8; ++lane) set_child(nodes.back(), lane, boxes.back());
@@ -169,7 +172,7 @@ TEST(node_test, boxes_beyond_t_max_are_not_entered) {
   std::vector<BvhNode<8>> nodes(3);
   for (BvhNode<8>& node : nodes)
     for (int lane = 0; lane < 8; ++lane) set_child(node, lane, box);
-  const std::vector<Ray> rays = {{{0, 0, 0}, 0.49f, {1, 0, 0}, NONE, NONE}, {{0, 0, 0}, 0.51f, {1, 0, 0}, NONE, NONE}, {{0, 0, 0}, -0.1f, {1, 0, 0}, NONE, NONE}};
+  const std::vector<Ray> rays = {{{0, 0, 0}, 0.49f, {1, 0, 0}, NONE, NONE, 0.0f, 0}, {{0, 0, 0}, 0.51f, {1, 0, 0}, NONE, NONE, 0.0f, 0}, {{0, 0, 0}, -0.1f, {1, 0, 0}, NONE, NONE, 0.0f, 0}};
   const Answer<8> answer = intersect<8>(nodes, rays);
   EXPECT_EQ(answer.mask[0], 0u);
   EXPECT_EQ(answer.mask[1], 0xffu);
@@ -187,15 +190,19 @@ TEST(node_test, empty_children_are_never_hit) {
   for (const cl_uint mask : intersect<8>(nodes, rays).mask) ASSERT_EQ(mask, 0u);
 }
 
-TEST(node_test, lane_mask_packs_every_pattern_with_x86_instructions_and_without) {
+TEST(node_test, lane_masks_are_packed_and_searched_with_x86_instructions_and_without) {
   for (const int width : {4, 8}) {
     std::vector<cl_int> lanes;
     std::vector<cl_uint> patterns(std::size_t{1} << width);
     for (std::size_t i = 0; i < patterns.size(); ++i)
       for (int lane = 0; lane < width; ++lane) lanes.push_back(i >> lane & 1u ? -1 : 0);
     for (const char* file : {"node_test.cl", "node_portable.cl"}) {
-      run_with({every_feature, width}, file, "pack", patterns.size(), lanes, out(patterns));
-      for (std::size_t i = 0; i < patterns.size(); ++i) EXPECT_EQ(patterns[i], i) << file;
+      std::vector<cl_uint> lowest(patterns.size());
+      run_with({every_feature, width}, file, "pack", patterns.size(), lanes, out(patterns), out(lowest));
+      for (std::size_t i = 0; i < patterns.size(); ++i) {
+        EXPECT_EQ(patterns[i], i) << file;
+        EXPECT_EQ(lowest[i], i == 0 ? static_cast<cl_uint>(width) : static_cast<cl_uint>(std::countr_zero(i))) << file;
+      }
     }
   }
 }

@@ -64,6 +64,37 @@ TEST(opacity_image, a_stack_of_masks_transmits_the_power_of_its_length_to_the_ey
   }
 }
 
+// However near: coincident, one unit in the last place apart, and nearer than a new ray would start off the surface.
+TEST(opacity_image, sheets_that_touch_are_passed_one_by_one) {
+  for (const double gap : {0.0, 6e-8, 1e-7, 1e-6}) {
+    World world;
+    add_light(world, LIGHT_CONSTANT, glm::dvec3(1.0));
+    for (int i = 0; i < 3; ++i) add_sheet(world, masked(diffuse(0.0), 0.3), 0.5 + gap * i);
+    look_closely(world, {0.2, -2, 0.3}, {0, 0, 0});
+    expect_mean(render_full(world, 2048), std::pow(transparency(0.3), 3), 0.01);
+  }
+}
+
+TEST(opacity_image, a_wall_that_touches_a_mask_is_seen_through_it_and_shadows_through_it) {
+  for (const double gap : {0.0, 6e-8, 1e-6})
+    for (const bool wall_first : {false, true}) {
+      World world;
+      add_light(world, LIGHT_CONSTANT, glm::dvec3(1.0));
+      const auto wall = [&] { add_sheet(world, diffuse(0.0), 0.5 + gap); };
+      if (wall_first) wall();
+      add_sheet(world, masked(diffuse(0.0), 0.0), 0.5);
+      if (!wall_first) wall();
+      add_sheet(world, diffuse(0.5), 0.0, 1e-3);  // the floor, which looks at the wall through the mask
+      look_closely(world, {0.0, 0.4, 0.1}, {0, 0.5, 0});
+      world.integrator.max_depth = 2;
+      expect_every_sample(render_full(world, 4), 0.0, 0.0);
+      world.lights.clear();
+      add_light(world, LIGHT_POINT, glm::dvec3(2.0), {0, 0.9, 0});
+      look_closely(world, {0.1, 0.2, 0.15}, {0, 0, 0});
+      expect_every_sample(render_full(world, 4), 0.0, 0.0);
+    }
+}
+
 // The ray meets one and the same primitive twice.
 TEST(opacity_image, a_masked_sphere_is_two_masks) {
   World world;

@@ -5,7 +5,7 @@ __kernel void intersect(uint count, __global const Quadric *quadrics, __global c
   size_t i = get_global_id(0);
   if (i >= count) return;
   Quadric quadric = quadrics[i];
-  t[i] = quadric_intersect(&quadric, unpack3(rays[i].origin), unpack3(rays[i].direction), rays[i].t_max, semantics[i] & 1u, semantics[i] & 2u);
+  t[i] = quadric_intersect(&quadric, unpack3(rays[i].origin), unpack3(rays[i].direction), rays[i].t_min, rays[i].t_max, semantics[i] & 1u, semantics[i] & 2u);
 }
 
 // Local point to the quadric, its world position relative to the centre, and the normal there.

@@ -118,7 +118,7 @@ TEST(quadric_test, hits_and_parameters_are_those_of_long_double) {
     for (std::size_t i = 0; i < n; ++i) {
       quadrics.push_back(random_quadric(random, kind, 1e-4));
       const glm::dvec3 o = random.in_cube(1.0), to = point_on(quadrics.back(), random) + (i % 2 ? 0.5 : 0.0) * random.in_cube(1.0) / largest_axis(quadrics.back());
-      rays.push_back({packed(o), i % 7 == 0 ? static_cast<float>(random.between(0, 2)) : no_hit, packed(glm::normalize(to - unpacked(packed(o)))), NONE, NONE});
+      rays.push_back({packed(o), i % 7 == 0 ? static_cast<float>(random.between(0, 2)) : no_hit, packed(glm::normalize(to - unpacked(packed(o)))), NONE, NONE, 0.0f, 0});
     }
     const std::vector<float> t = intersect(quadrics, rays, std::vector<cl_uint>(n));
     std::size_t hits = 0, misses = 0, unsure = 0;
@@ -165,7 +165,7 @@ TEST(quadric_test, a_small_sphere_far_away_is_hit_where_it_is) {
       quadrics.push_back(quadric(QUADRIC_SPHERE, 0.45 * random.direction(), columns));
       const glm::dvec3 center = unpacked(quadrics.back().center);
       const packed_float3 o = packed(center + r * away * random.direction());
-      rays.push_back({o, no_hit, packed(glm::normalize(center + 2.0 * r * random.direction() - unpacked(o))), NONE, NONE});
+      rays.push_back({o, no_hit, packed(glm::normalize(center + 2.0 * r * random.direction() - unpacked(o))), NONE, NONE, 0.0f, 0});
     }
     const std::vector<float> t = intersect(quadrics, rays, std::vector<cl_uint>(n));
     std::size_t wrong = 0;
@@ -193,9 +193,9 @@ TEST(quadric_test, rays_that_start_or_end_on_the_surface_do_not_meet_it_there) {
       const Quadric& q = quadrics.back();
       const glm::dvec3 at = point_on(q, random);
       const packed_float3 o = packed(at + (i % 3) * 1e-7 * random.in_cube());
-      leaving.push_back({o, no_hit, packed(random.direction()), NONE, NONE});
+      leaving.push_back({o, no_hit, packed(random.direction()), NONE, NONE, 0.0f, 0});
       const packed_float3 from = packed(random.in_cube(1.0));
-      arriving.push_back({from, static_cast<float>(glm::length(at - unpacked(from))), packed(glm::normalize(at - unpacked(from))), NONE, NONE});
+      arriving.push_back({from, static_cast<float>(glm::length(at - unpacked(from))), packed(glm::normalize(at - unpacked(from))), NONE, NONE, 0.0f, 0});
     }
     const std::vector<float> left = intersect(quadrics, leaving, std::vector<cl_uint>(n, 1));
     const std::vector<float> arrived = intersect(quadrics, arriving, std::vector<cl_uint>(n, 2));
@@ -243,7 +243,7 @@ TEST(quadric_test, no_ray_leaves_a_sphere_from_inside) {
     const glm::dvec3 at = point_on(quadrics.back(), random), normal = glm::normalize(at - unpacked(quadrics.back().center));
     const glm::dvec3 side = glm::normalize(glm::cross(normal, random.direction()));
     cosine.push_back(random.log_between(1e-3, 1.0));
-    rays.push_back({packed(at - 1e-6 * normal), no_hit, packed(std::sqrt(1 - cosine[i] * cosine[i]) * side - cosine[i] * normal), NONE, NONE});
+    rays.push_back({packed(at - 1e-6 * normal), no_hit, packed(std::sqrt(1 - cosine[i] * cosine[i]) * side - cosine[i] * normal), NONE, NONE, 0.0f, 0});
   }
   const std::vector<float> t = intersect(quadrics, rays, std::vector<cl_uint>(n, 1));
   std::size_t lost = 0;

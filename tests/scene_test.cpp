@@ -114,6 +114,9 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"lens", [](World& w) { w.camera.aperture_radius = 0.1; }, FEATURE_THIN_LENS},
       {"closed lens", [](World& w) { w.camera.focus_distance = 2.0; }, 0},
       {"orthographic", [](World& w) { w.camera.orthographic = true; }, FEATURE_ORTHOGRAPHIC},
+      {"hidden lights", [](World& w) { add_quadric(w, Geometry::sphere, 1), w.integrator.hide_emitters = true; },
+       flat | FEATURE_SPHERES | FEATURE_QUADRIC_LIGHTS | FEATURE_HIDDEN_EMITTERS},
+      {"hidden nothing", [](World& w) { w.integrator.hide_emitters = true; }, 0},
       {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS}};
   Features all = 0;
   for (const Row& row : rows) {

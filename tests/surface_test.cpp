@@ -61,7 +61,7 @@ void no_walk_leaves(const World& world, const std::string& what) {
   const auto bounces = static_cast<cl_uint>(count_or_small(1000, 10));
   Random random(11);
   std::vector<Ray> start;
-  for (std::size_t i = 0; i < paths; ++i) start.push_back({packed(random.in_cube(0.05)), 1e30f, packed(random.direction()), NONE, NONE});
+  for (std::size_t i = 0; i < paths; ++i) start.push_back({packed(random.in_cube(0.05)), 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
   std::vector<cl_uint> survived(paths);
   run_with({scene.features, bvh.width, bvh.stack_size()}, "surface_test.cl", "walk", paths, bvh.nodes, bvh.blocks, scene.quadrics, scene.shapes,
            scene.triangle_shape, start, bounces, out(survived));
@@ -78,7 +78,7 @@ TEST(surface_test, the_error_bounds_how_far_the_point_is_off_the_triangle) {
   const Bvh bvh = build_bvh(scene, 8);
   const std::vector<Hit> hits = hits_everywhere(scene, bvh, 5 * scene.triangles.size(), random);
   std::vector<Ray> rays;
-  for (std::size_t i = 0; i < hits.size(); ++i) rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE});
+  for (std::size_t i = 0; i < hits.size(); ++i) rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
   const std::vector<Result> results = surfaces(scene, bvh, rays, hits);
   double worst = 0.0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -177,7 +177,7 @@ TEST(surface_test, the_shading_normal_is_the_interpolated_one_where_it_faces_the
     scene.normals.assign(row.n, row.n + 3);
     const Hit hit{1.0f, 0.125f, 0.375f, 0, 0};
     const glm::dvec3 wo = glm::normalize(unpacked(row.from));
-    const Result s = surfaces(scene, bvh, {{packed(wo), 1e30f, packed(-wo), NONE, NONE}}, {hit})[0];
+    const Result s = surfaces(scene, bvh, {{packed(wo), 1e30f, packed(-wo), NONE, NONE, 0.0f, 0}}, {hit})[0];
     const bool front = wo.z >= 0;
     const glm::dvec3 geometric(0, 0, front ? 1 : -1);
     glm::dvec3 shading = glm::normalize(0.5 * unpacked(row.n[0]) + 0.125 * unpacked(row.n[1]) + 0.375 * unpacked(row.n[2]));
@@ -215,7 +215,7 @@ TEST(surface_test, the_geometric_normal_of_a_sliver_is_that_of_double_and_faces_
     if (std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) < 0x1p-100) continue;  // products of float32 underflow below 2^-126
     exact.push_back(glm::normalize(n));
     hits.push_back({1.0f, 0.3f, 0.3f, static_cast<uint>(i), slot[i]});
-    rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE});
+    rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
   }
   const std::vector<Result> results = surfaces(scene, bvh, rays, hits);
   EXPECT_GT(hits.size(), triangles.size() / 2);
@@ -251,7 +251,7 @@ TEST(surface_test, every_triangle_that_a_scene_keeps_has_a_unit_normal) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     hits.push_back({1.0f, 0.3f, 0.3f, static_cast<uint>(i), slot[i]});
-    rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE});
+    rays.push_back({{0, 0, 0}, 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
   }
   std::size_t wrong = 0;
   for (const Result& s : surfaces(scene, bvh, rays, hits)) wrong += !(std::abs(glm::length(unpacked(s.geometric)) - 1.0) < 4 * unit_roundoff);

@@ -51,7 +51,7 @@ Hits one_on_each(const Scene& scene, const Bvh& bvh, Random& random) {
   for (uint i = 0; i < scene.triangles.size(); ++i) {
     const double b1 = random.unit(), b2 = random.between(0, 1 - b1);
     result.hits.push_back({1.0f, static_cast<float>(b1), static_cast<float>(b2), i, slot[i]});
-    result.rays.push_back({{0, 0, 0}, 1e30f, {0, 0, 1}, NONE, NONE});
+    result.rays.push_back({{0, 0, 0}, 1e30f, {0, 0, 1}, NONE, NONE, 0.0f, 0});
   }
   return result;
 }
@@ -118,7 +118,7 @@ void expect_coordinates(const std::string& shape, const std::vector<Expected>& r
   const Bvh bvh = build_bvh(scene, 8);
   std::vector<Ray> rays;
   for (const Expected& row : rows)
-    rays.push_back({packed(scene.frame.place(row.from)), 1e30f, packed(row.direction), NONE, NONE});
+    rays.push_back({packed(scene.frame.place(row.from)), 1e30f, packed(row.direction), NONE, NONE, 0.0f, 0});
   const auto hits = trace_closest(scene, bvh, rays);
   ASSERT_EQ(missed(hits), 0u) << shape;
   const auto results = coordinates(scene, bvh, rays, hits);

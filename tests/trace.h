@@ -33,7 +33,7 @@ inline Corners corners_of(const Scene& scene, std::size_t triangle) {
 // From one point towards another, canonical; the direction is normalised and then rounded.
 inline Ray ray_towards(const glm::dvec3& origin, const glm::dvec3& target) {
   const packed_float3 o = packed(origin);
-  return {o, 1e30f, packed(glm::normalize(target - unpacked(o))), NONE, NONE};
+  return {o, 1e30f, packed(glm::normalize(target - unpacked(o))), NONE, NONE, 0.0f, 0};
 }
 
 // `stack`: STACK_SIZE to compile with; 0 means what the tree asks for.

@@ -135,7 +135,7 @@ Scene layers() {
   return scene_of(triangles);
 }
 
-Ray up(float t_max, uint skip = NONE, uint target = NONE) { return {{0.25f, 0.0f, 0.0f}, t_max, {0, 0, 1}, skip, target}; }
+Ray up(float t_max, uint skip = NONE, uint target = NONE) { return {{0.25f, 0.0f, 0.0f}, t_max, {0, 0, 1}, skip, target, 0.0f, 0}; }
 
 }  // namespace
 
@@ -178,6 +178,71 @@ TEST(traverse_test, the_end_of_the_interval_belongs_to_closest_hits_and_not_to_s
   }
 }
 
+// Each step asks for what lies behind the last one: together they are what brute force in double finds. Every triangle stands twice.
+TEST(traverse_test, a_ray_that_goes_on_meets_each_triangle_on_its_way_once_in_order) {
+  Random random(6);
+  std::vector<Corners> triangles = soup(random, 100, 0.5);
+  triangles.insert(triangles.end(), triangles.begin(), triangles.end());
+  Scene scene = scene_of(triangles);
+  scene.features |= FEATURE_OPACITY;
+  const std::vector<Ray> start = random_rays(random, count_or_small(5000, 20));
+  for (const int width : {4, 8}) {
+    const Bvh bvh = build_bvh(scene, width);
+    std::vector<Ray> rays = start;
+    std::vector<std::vector<uint>> met(rays.size());
+    bool going = true;
+    for (int step = 0; going && step < 200; ++step) {
+      const std::vector<Hit> hits = trace_closest(scene, bvh, rays);
+      going = false;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].primitive == NONE) continue;
+        going = true;
+        ASSERT_GE(hits[i].t, rays[i].t_min) << i;
+        ASSERT_TRUE(hits[i].t > rays[i].t_min || hits[i].primitive > rays[i].passed) << i;
+        met[i].push_back(hits[i].primitive);
+        rays[i].t_min = hits[i].t;
+        rays[i].passed = hits[i].primitive;
+      }
+    }
+    EXPECT_FALSE(going);
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      sum += met[i].size();
+      std::vector<std::size_t> times(triangles.size());
+      for (const uint primitive : met[i]) ++times[primitive];
+      for (std::size_t k = 0; k < triangles.size(); ++k) {
+        const auto exact = exact_intersection<double>(start[i], triangles[k]);
+        if (exact.certain_hit) EXPECT_EQ(times[k], 1u) << i << " " << k;
+        else EXPECT_LE(times[k], exact.certain_miss ? 0u : 1u) << i << " " << k;
+      }
+    }
+    EXPECT_GT(sum, 4 * rays.size());
+  }
+}
+
+// A sphere, a cylinder and a disk have the centre of the ray's way in common: two roots each, or one.
+TEST(traverse_test, a_ray_that_goes_on_meets_both_walls_of_a_quadric) {
+  Scene scene;
+  scene.features = FEATURE_SPHERES | FEATURE_DISKS | FEATURE_CYLINDERS | FEATURE_OPACITY;
+  const auto quadric = [](uint kind, float inverse) {
+    return Quadric{{0, 0, 0}, kind, {inverse, 0, 0}, 0, {0, inverse, 0}, 1.0f, {0, 0, inverse}, 1.0f};
+  };
+  scene.quadrics = {quadric(QUADRIC_SPHERE, 2.0f), quadric(QUADRIC_CYLINDER, 4.0f), quadric(QUADRIC_DISK, 1.0f), quadric(QUADRIC_SPHERE, 2.0f)};
+  for (const int width : {4, 8}) {
+    const Bvh bvh = build_bvh(scene, width);
+    std::vector<Ray> ray = {{{-0.9375f, 0, 0.125f}, 1e30f, {1, 0, 0}, NONE, NONE, 0.0f, 0}};
+    std::vector<uint> met;
+    for (int step = 0; step < 20; ++step) {
+      const Hit hit = trace_closest(scene, bvh, ray)[0];
+      if (hit.primitive == NONE) break;
+      met.push_back(hit.primitive & ~QUADRIC_BIT);
+      ray[0].t_min = hit.t;
+      ray[0].passed = hit.primitive;
+    }
+    EXPECT_EQ(met, (std::vector<uint>{0, 3, 1, 1, 0, 3}));
+  }
+}
+
 TEST(traverse_test, an_empty_scene_is_never_hit) {
   Scene scene;
   scene.features = FEATURE_TRIANGLES;
@@ -202,7 +267,7 @@ TEST(traverse_test, a_ray_that_starts_on_a_sphere_leaves_it_outwards_and_crosses
   std::vector<double> cosine;
   for (std::size_t i = 0; i < count_or_small(20000, 20); ++i) {
     const glm::dvec3 n = random.direction(), w = random.direction();
-    rays.push_back({packed(center + r * n), 1e30f, packed(w), QUADRIC_BIT | 0u, NONE});
+    rays.push_back({packed(center + r * n), 1e30f, packed(w), QUADRIC_BIT | 0u, NONE, 0.0f, 0});
     cosine.push_back(glm::dot(n, w));
   }
   const Bvh bvh = build_bvh(scene, 8);

@@ -1,4 +1,6 @@
 // triangle_block_intersect against long double on the same floats.
+#include <bit>
+
 #include "triangle_oracle.h"
 
 #include "kernel.h"
@@ -14,7 +16,7 @@ struct Case {
 };
 
 Ray ray_to(const packed_float3& origin, const glm::dvec3& target, float t_max = 1e30f) {
-  return {origin, t_max, packed(glm::normalize(target - unpacked(origin))), NONE, NONE};
+  return {origin, t_max, packed(glm::normalize(target - unpacked(origin))), NONE, NONE, 0.0f, 0};
 }
 
 struct Result {
@@ -53,6 +55,13 @@ std::vector<Result> intersect_lanes(const std::vector<Case>& cases, int shift) {
 
 std::vector<Result> intersect(const std::vector<Case>& cases, int width, int shift) {
   return width == 4 ? intersect_lanes<4>(cases, shift) : intersect_lanes<8>(cases, shift);
+}
+
+template <int W>
+std::vector<cl_uint> owners(const std::vector<TriangleBlock<W>>& blocks, const std::vector<Ray>& rays) {
+  std::vector<cl_uint> mask(rays.size());
+  run_with({every_feature, W}, "triangle_test.cl", "owners", rays.size(), blocks, rays, out(mask));
+  return mask;
 }
 
 struct Tally {
@@ -161,9 +170,9 @@ TEST(triangle_test, turning_a_triangle_round_changes_neither_hit_nor_parameter) 
 TEST(triangle_test, the_interval_is_open_at_0_and_closed_at_t_max) {
   const Corners corners{packed_float3{-1, -1, 0.5f}, {1, -1, 0.5f}, {0, 1, 0.5f}};
   std::vector<Case> cases;
-  for (const float t_max : {1e30f, 0.5f, std::nextafter(0.5f, 0.0f)}) cases.push_back({{{0, 0, 0}, t_max, {0, 0, 1}, NONE, NONE}, corners});
-  cases.push_back({{{0, 0, 0.5f}, 1e30f, {0, 0, 1}, NONE, NONE}, corners});
-  cases.push_back({{{0, 0, 0.5f}, 1e30f, {0, 0, -1}, NONE, NONE}, corners});
+  for (const float t_max : {1e30f, 0.5f, std::nextafter(0.5f, 0.0f)}) cases.push_back({{{0, 0, 0}, t_max, {0, 0, 1}, NONE, NONE, 0.0f, 0}, corners});
+  cases.push_back({{{0, 0, 0.5f}, 1e30f, {0, 0, 1}, NONE, NONE, 0.0f, 0}, corners});
+  cases.push_back({{{0, 0, 0.5f}, 1e30f, {0, 0, -1}, NONE, NONE, 0.0f, 0}, corners});
   const std::vector<Result> r = intersect(cases, 8, 0);
   EXPECT_TRUE(r[0].hit);
   EXPECT_TRUE(r[1].hit);
@@ -179,7 +188,7 @@ TEST(triangle_test, points_of_edges_and_vertices_count_as_inside) {
   std::vector<Case> cases;
   for (int i = 0; i <= 16; ++i)
     for (int j = 0; i + j <= 16; ++j)
-      cases.push_back({{{-0.5f + i / 16.0f, -0.5f + j / 16.0f, -0.5f}, 1e30f, {0, 0, 1}, NONE, NONE}, corners});
+      cases.push_back({{{-0.5f + i / 16.0f, -0.5f + j / 16.0f, -0.5f}, 1e30f, {0, 0, 1}, NONE, NONE, 0.0f, 0}, corners});
   for (const Result& r : intersect(cases, 8, 0)) {
     EXPECT_TRUE(r.hit);
     EXPECT_EQ(r.t, 1.0f);
@@ -221,7 +230,54 @@ TEST(triangle_test, degenerate_primitives_give_no_nan_and_no_certain_miss_is_hit
       cases.push_back(aimed);
     }
     cases.push_back({{{-1081.47925f / 2048, 99.9999542f / 2048, 87.7701111f / 2048}, 0.9999f,
-                      {-32.1072998f / 2048, -183.355865f / 2048, -144.607635f / 2048}, NONE, NONE}, c});
+                      {-32.1072998f / 2048, -183.355865f / 2048, -144.607635f / 2048}, NONE, NONE, 0.0f, 0}, c});
   }
   for (const int width : {4, 8}) judge(cases, intersect(cases, width, width - 1));
+}
+
+// The triangles around a vertex of a dyadic grid, of any winding, and rays along an axis through the vertex, through the middles of
+// edges and through faces: all arithmetic is exact. Moving the ray by 2^-10 and 2^-20 tells whose hit it is.
+TEST(triangle_test, of_the_triangles_around_an_edge_or_a_vertex_one_owns_the_hit) {
+  Random random(8);
+  std::vector<TriangleBlock<8>> blocks;
+  std::vector<Ray> rays;
+  std::vector<cl_uint> expected;
+  const int around[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+  for (std::size_t i = 0; i < count_or_small(3000, 30); ++i) {
+    const int kz = static_cast<int>(random.below(3)), kx = (kz + 1) % 3, ky = (kx + 1) % 3;
+    const bool inner = random.below(2) != 0;
+    // The vertex in the middle, a quarter of the way to a neighbour, or inside a triangle.
+    const int* a = around[random.below(8)];
+    const double at[2] = {inner ? 0.25 * a[0] : 0.0, inner ? 0.25 * a[1] + (random.below(2) ? 0.125 : 0.0) : 0.0};
+    glm::dvec3 origin(0.0), direction(0.0);
+    origin[kx] = at[0];
+    origin[ky] = at[1];
+    origin[kz] = -2.0;
+    direction[kz] = 1.0;
+    rays.push_back({packed(origin), 1e30f, packed(direction), NONE, NONE, 0.0f, 0});
+    TriangleBlock<8>& block = blocks.emplace_back();
+    const double moved[2] = {at[0] + 0x1p-10, at[1] - 0x1p-20};
+    cl_uint owner = 0;
+    for (int lane = 0; lane < 8; ++lane) {
+      const int* next = around[(lane + 1) % 8];
+      double plane[3][2] = {{0, 0}, {1.0 * around[lane][0], 1.0 * around[lane][1]}, {1.0 * next[0], 1.0 * next[1]}};
+      if (random.below(2)) std::swap(plane[1], plane[2]);
+      if (random.below(2)) std::swap(plane[0], plane[1]);
+      int sides = 0;
+      for (int e = 0; e < 3; ++e) {
+        const double *p = plane[e], *q = plane[(e + 1) % 3];
+        const double side = (q[0] - p[0]) * (moved[1] - p[1]) - (q[1] - p[1]) * (moved[0] - p[0]);
+        sides += side > 0 ? 1 : -1;
+      }
+      if (std::abs(sides) == 3) owner |= 1u << lane;
+      for (int v = 0; v < 3; ++v) {
+        block.vertex[v][kx][lane] = static_cast<float>(plane[v][0]);
+        block.vertex[v][ky][lane] = static_cast<float>(plane[v][1]);
+        block.vertex[v][kz][lane] = static_cast<float>(random.below(8)) / 8.0f;
+      }
+    }
+    ASSERT_EQ(std::popcount(owner), 1);
+    expected.push_back(owner);
+  }
+  EXPECT_EQ(owners<8>(blocks, rays), expected);
 }

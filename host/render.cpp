@@ -7,17 +7,8 @@
 namespace oclair {
 namespace {
 
-// PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
-constexpr std::size_t max_launch = 65472;
-
 Error device_error(const Device& device, const cl::Error& error) {
   return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
-}
-
-std::size_t padded_pixels(const Settings& settings) {
-  const std::size_t across = (settings.crop_width + TILE_WIDTH - 1) / TILE_WIDTH;
-  const std::size_t down = (settings.crop_height + TILE_WIDTH - 1) / TILE_WIDTH;
-  return across * down * WORK_GROUP_SIZE;
 }
 
 cl::Buffer zeroed(const Device& device, std::size_t bytes) {
@@ -39,6 +30,12 @@ void launch(Renderer& renderer, std::size_t base, std::size_t items, uint sample
 }
 
 }  // namespace
+
+std::size_t padded_pixels(const Settings& settings) {
+  const std::size_t across = (settings.crop_width + TILE_WIDTH - 1) / TILE_WIDTH;
+  const std::size_t down = (settings.crop_height + TILE_WIDTH - 1) / TILE_WIDTH;
+  return across * down * WORK_GROUP_SIZE;
+}
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
   return {scene.features, bvh.width, bvh.stack_size(), scene.approximations};

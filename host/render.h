@@ -18,6 +18,12 @@ struct Film {
   std::vector<FilmMoments> moments;  // empty without FEATURE_MOMENTS
 };
 
+// PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
+inline constexpr std::size_t max_launch = 65472;
+
+// Work items that a pass takes: the pixels of all tiles of the crop window.
+std::size_t padded_pixels(const Settings& settings);
+
 struct Renderer {
   const Device* device;
   Settings settings;

@@ -1,4 +1,4 @@
-// Embree's own traversal over the scene's triangles, in its robust mode: rtcIntersect1 of version 3 or 4.
+// Embree's own traversal over the scene's triangles, in its robust mode.
 #pragma once
 
 #include "../host/embree.h"
@@ -33,13 +33,7 @@ class EmbreeScene {
     RTCRayHit query{};
     query.ray = {ray.origin.x, ray.origin.y, ray.origin.z, 0.0f, ray.direction.x, ray.direction.y, ray.direction.z, 0.0f, ray.t_max, ~0u, 0u, 0u};
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(scene_, &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &query);
-#endif
+    EmbreeQuery(false).closest(scene_, query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {ray.t_max, 0.0f, 0.0f, NONE, 0u};
     return {query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID, 0u};
   }

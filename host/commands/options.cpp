@@ -23,10 +23,9 @@ void add_definition(Definitions& definitions, const std::string& given) {
   definitions[given.substr(0, equals)] = given.substr(equals + 1);
 }
 
-}  // namespace
+constexpr const char* scene_description = "scene file in the Mitsuba XML format";
 
-void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& definitions) {
-  line.add_option("SCENE", scene, "scene file in the Mitsuba XML format")->required();
+void add_definitions(CLI::App& line, Definitions& definitions) {
   line.add_option_function<std::vector<std::string>>(
           "-D,--define",
           [&definitions](const std::vector<std::string>& all) {
@@ -36,6 +35,18 @@ void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& defini
       ->type_name("NAME=VALUE")
       ->type_size(1)
       ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& definitions) {
+  line.add_option("SCENE", scene, scene_description)->required();
+  add_definitions(line, definitions);
+}
+
+void add_scene(CLI::App& line, std::optional<std::filesystem::path>& scene, Definitions& definitions) {
+  line.add_option("SCENE", scene, scene_description);
+  add_definitions(line, definitions);
 }
 
 void add_device(CLI::App& line, std::string& device) {

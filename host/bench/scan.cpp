@@ -1,0 +1,23 @@
+#include "scan.h"
+
+#include <filesystem>
+
+#include "../error.h"
+#include "../mesh_file.h"
+
+namespace oclair::bench {
+
+bool scan_is_there() {
+  std::error_code error;
+  return std::filesystem::exists(scan_file, error);
+}
+
+Mesh scan() {
+  try {
+    return to_world(parse_obj(read_mesh_file(scan_file)), {.face_normals = true});
+  } catch (const MeshFileError& fault) {
+    throw Error(Exit::scene, std::string(scan_file) + ": " + fault.what());
+  }
+}
+
+}  // namespace oclair::bench

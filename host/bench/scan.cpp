@@ -14,7 +14,7 @@ bool scan_is_there() {
 
 Mesh scan() {
   try {
-    return to_world(parse_obj(read_mesh_file(scan_file)), {.face_normals = true});
+    return to_world(parse_obj(text_of(read_mesh_file(scan_file))), {.face_normals = true});
   } catch (const MeshFileError& fault) {
     throw Error(Exit::scene, std::string(scan_file) + ": " + fault.what());
   }

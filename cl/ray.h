@@ -23,12 +23,6 @@ typedef uint4 uintw;
 #define HAS_BUILTIN(name) 0
 #endif
 
-#if HAS_BUILTIN(__builtin_prefetch)
-#define PREFETCH(address) __builtin_prefetch(address)
-#else
-#define PREFETCH(address) ((void)(address))
-#endif
-
 // Bit i is set where lane i of a comparison's result is true (-1).
 INLINE uint lane_mask(intw m) {
 #if BVH_WIDTH == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_movmskps256)

@@ -43,21 +43,18 @@ INLINE float traverse_start(const Ray *ray, uint primitive) {
   return primitive > ray->passed ? ray->t_min : nextafter(ray->t_min, INFINITE_DISTANCE);
 }
 
-// Asks for what a child on the stack holds, a node or the first block of a leaf: it is met some hundred cycles later. Of a quadric
-// that address means nothing, which does no harm.
-INLINE void traverse_prefetch(const Scene *scene, uint child) {
-  __global const char *at = child & LEAF_BIT ? (__global const char *)(scene->blocks + (child & LEAF_INDEX_MASK))
-                                             : (__global const char *)(scene->nodes + child);
-  for (uint line = 0; line < sizeof(TriangleBlock); line += 64u) PREFETCH(at + line);
-}
+// A child that is still to be visited, and where the ray enters it: not set for any-hit rays.
+typedef struct StackEntry {
+  float near;
+  uint child;
+} StackEntry;
 
 // Both traversals: any_hit is a constant at each call. Closest: updates *hit, whose t is the ray's t_max and whose primitive is
 // NONE at first. Any: stops at the first hit. Where the ray starts and where it ends is no hit for either.
 INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit) {
   const Slabs slabs = slabs_from_ray(ray);
   const Shear shear = shear_from_ray(ray);
-  uint stack_child[STACK_SIZE];
-  float stack_near[STACK_SIZE];
+  StackEntry stack[STACK_SIZE];
   int top = 0;
   uint current = 0;
   while (true) {
@@ -71,7 +68,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
         current = node->child[lane];
         if (!mask) continue;
         if (any_hit) {
-          for (; mask; mask &= mask - 1u) stack_child[top++] = node->child[lowest_lane(mask)];
+          for (; mask; mask &= mask - 1u) stack[top++].child = node->child[lowest_lane(mask)];
           continue;
         }
         float current_near = near.lane[lane];
@@ -91,14 +88,12 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
             child_near = other_near;
           }
           int i = top++;
-          while (i > bottom && stack_near[i - 1] < child_near) {
-            stack_near[i] = stack_near[i - 1];
-            stack_child[i] = stack_child[i - 1];
+          while (i > bottom && stack[i - 1].near < child_near) {
+            stack[i] = stack[i - 1];
             --i;
           }
-          stack_near[i] = child_near;
-          stack_child[i] = child;
-          traverse_prefetch(scene, child);
+          stack[i].near = child_near;
+          stack[i].child = child;
         }
         continue;
       }
@@ -109,7 +104,7 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
         for (uint b = first; b < first + count; ++b) {
           __global const TriangleBlock *block = scene->blocks + b;
           Lanes t, b1, b2;
-          uint mask = triangle_block_intersect(block, &shear, hit->t, &t, &b1, &b2);
+          uint mask = triangle_block_intersect(block, &shear, hit->t, !any_hit, &t, &b1, &b2);
           for (; mask; mask &= mask - 1u) {
             uint lane = lowest_lane(mask);
             uint primitive = block->primitive[lane];
@@ -140,8 +135,8 @@ INLINE void traverse(const Scene *scene, const Ray *ray, Hit *hit, bool any_hit)
     do {
       if (top == 0) return;
       --top;
-    } while (!any_hit && stack_near[top] > hit->t);
-    current = stack_child[top];
+    } while (!any_hit && stack[top].near > hit->t);
+    current = stack[top].child;
   }
 }
 

@@ -7,10 +7,11 @@
 
 #include "ray.h"
 
-// Bit i of the result is set where lane i is hit at 0 < t <= t_max; for those lanes *t, *b1, *b2 hold the parameter and the
+// stop_early: whether to look first if the ray is inside any lane's edges. Worth it where the answer can be predicted, as for rays
+// that stop at their nearest hit. Bit i of the result is set where lane i is hit at 0 < t <= t_max; for those lanes *t, *b1, *b2 hold the parameter and the
 // barycentric coordinates of vertices 1 and 2.
-INLINE uint triangle_block_intersect(__global const TriangleBlock *block, const Shear *ray, float t_max, Lanes *t, Lanes *b1,
-                                     Lanes *b2) {
+INLINE uint triangle_block_intersect(__global const TriangleBlock *block, const Shear *ray, float t_max, bool stop_early,
+                                     Lanes *t, Lanes *b1, Lanes *b2) {
 #define VERTEX(i, axis) (*(__global const floatw *)block->vertex[i][axis])
   floatw az = VERTEX(0, ray->kz) - ray->origin_z;
   floatw bz = VERTEX(1, ray->kz) - ray->origin_z;
@@ -26,7 +27,7 @@ INLINE uint triangle_block_intersect(__global const TriangleBlock *block, const 
   floatw v = ax * cy - ay * cx;
   floatw w = bx * ay - by * ax;
   intw inside = ((u >= 0.0f) & (v >= 0.0f) & (w >= 0.0f)) | ((u <= 0.0f) & (v <= 0.0f) & (w <= 0.0f));
-  if (!lane_mask(inside)) return 0;
+  if (stop_early && !lane_mask(inside)) return 0;
   floatw det = u + v + w;
   floatw inverse_det = 1.0f / det;  // det == 0 gives infinity or NaN, and the comparisons below fail
   floatw distance = (u * az + v * bz + w * cz) * ray->shear_z * inverse_det;

@@ -20,7 +20,7 @@ __kernel void intersect(uint count, __global const TriangleBlock *blocks, __glob
   Shear shear = shear_from_ray(&ray);
   Lanes lane_t, lane_b1, lane_b2;
   lane_t.vector = lane_b1.vector = lane_b2.vector = (floatw)(0.0f);
-  mask[i] = triangle_block_intersect(blocks + i, &shear, ray.t_max, &lane_t, &lane_b1, &lane_b2);
+  mask[i] = triangle_block_intersect(blocks + i, &shear, ray.t_max, i & 1u, &lane_t, &lane_b1, &lane_b2);
   for (uint lane = 0; lane < BVH_WIDTH; ++lane) {
     t[i * BVH_WIDTH + lane] = lane_t.lane[lane];
     b1[i * BVH_WIDTH + lane] = lane_b1.lane[lane];

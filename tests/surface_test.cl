@@ -36,7 +36,7 @@ __kernel void leave(uint count, __global const TriangleBlock *blocks, __global c
   Ray ray = {pack3(origin), INFINITE_DISTANCE, w[i], NONE, NONE, 0.0f, 0};
   Shear shear = shear_from_ray(&ray);
   Lanes t, b1, b2;
-  uint mask = triangle_block_intersect(blocks + hits[i].slot / BVH_WIDTH, &shear, ray.t_max, &t, &b1, &b2);
+  uint mask = triangle_block_intersect(blocks + hits[i].slot / BVH_WIDTH, &shear, ray.t_max, true, &t, &b1, &b2);
   again[i] = mask >> (hits[i].slot % BVH_WIDTH) & 1u;
 }
 

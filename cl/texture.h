@@ -33,8 +33,8 @@ INLINE float texel_component(const Scene *scene, const Texture *texture, ulong i
   }
 }
 
-// One value in all three channels, or the three.
-INLINE float3 texel(const Scene *scene, const Texture *texture, ulong i) {
+// One value in all three channels, or the three. Out of line, like texture_eval: it stands four times in each interpolation.
+OUT_OF_LINE float3 texel(const Scene *scene, const Texture *texture, ulong i) {
   i *= texture->channels;
   if (texture->channels == 1u) return (float3)(texel_component(scene, texture, i));
   return (float3)(texel_component(scene, texture, i), texel_component(scene, texture, i + 1ul),

@@ -38,6 +38,7 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
 // Compiles and uploads. The device, the scene (without the input of the BVH) and the BVH must outlive the renderer.
 // Throws Error(Exit::device).
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh);
+Renderer start_render(const Device& device, const Scene& scene, Bvh&& bvh) = delete;
 
 // Adds `samples` samples to every pixel. `progress` is told, after each launch, the share of the pass that is done, in (0, 1].
 // Throws Error(Exit::device).

@@ -15,8 +15,9 @@ std::function<double()> timed_on(const Device& device, std::function<void()> run
 
 class OurTraversal {
  public:
-  // Compiles and uploads. The device must outlive it. Throws Error(Exit::device).
+  // Compiles and uploads. The device, the scene and the BVH must outlive it. Throws Error(Exit::device).
   OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh);
+  OurTraversal(const Device& device, const Scene& scene, Bvh&& bvh) = delete;
 
   void load(const std::vector<Ray>& rays);
   void run(bool any_hit);                // over all rays; returns when it is done

@@ -24,7 +24,7 @@ Features all_features(const Scene& scene) { return (ALL_FEATURES & ~FEATURE_MOME
 
 struct Measured {
   Device device;
-  Scene scene;
+  Scene scene, everything;  // the latter: for a kernel with all features
   Bvh bvh;
   std::unique_ptr<Renderer> special, full;
   std::unique_ptr<OurTraversal> closest, any;
@@ -36,7 +36,7 @@ struct Measured {
   }
 
   void prepare_full() {
-    Scene everything = scene;
+    everything = scene;
     everything.features = all_features(scene);
     full = std::make_unique<Renderer>(start_render(device, everything, bvh));
   }

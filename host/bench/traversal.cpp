@@ -145,7 +145,8 @@ void bench_growth(const Options& options, Table& table) {
     Options sized = options;
     sized.triangles = count;
     const Scene scene = traversal_subjects(sized, table).front().make();
-    OurTraversal ours(device, scene, build_bvh(scene, device.bvh_width));
+    const Bvh bvh = build_bvh(scene, device.bvh_width);
+    OurTraversal ours(device, scene, bvh);
     EmbreePeer peer(scene, false, "threads=1");
     peer.commit();
     const RaySet diffuse = ray_sets(scene, [&](const std::vector<Ray>& rays) { return traced(rays, peer.scene()); })[1];

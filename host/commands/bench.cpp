@@ -39,6 +39,11 @@ Exit run(const BenchOptions& options) {
   if (options.json) table.write_json(*options.json);  // a name that cannot be written fails now, not after the measurements
   const bool all = options.part == "all",
              growth = options.growth || (all && !options.measurement.scene && !options.measurement.triangles);
+  // After each part, and before the first: a file that cannot be written is not found out only after ten minutes.
+  const auto save = [&] {
+    if (options.json) table.write_json(*options.json);
+  };
+  save();
   const auto run_part = [&](const char* part, void (*measure)(const bench::Options&, bench::Table&)) {
     if (options.part != part && !all) return;
     table.take(bench::in_child([&] {
@@ -46,6 +51,7 @@ Exit run(const BenchOptions& options) {
       measure(options.measurement, rows);
       return rows.json();
     }));
+    save();
   };
   if (!options.growth) run_part("traversal", bench::bench_traversal);
   if (growth) run_part("traversal", bench::bench_growth);
@@ -53,7 +59,6 @@ Exit run(const BenchOptions& options) {
   run_part("build", bench::bench_build);
   run_part("start", bench::bench_start);
   if (all && !options.measurement.scene && !options.measurement.triangles) table.print_targets();
-  if (options.json) table.write_json(*options.json);
   return Exit::success;
 }
 

@@ -334,6 +334,15 @@ TEST(metamorphic_image, depth_0_is_black_1_is_emission_2_adds_direct_light) {
 }
 
 // Camera rays pass through shapes that emit, and see nothing in the constant light; its light on other shapes stays.
+TEST(metamorphic_image, hidden_emitters_are_seen_in_mirrors) {
+  World world;
+  add_light(world, LIGHT_CONSTANT, glm::dvec3(1.0));
+  add_quad(add_shape(world, mirror(1.0), Sides::both).mesh, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0});
+  look_closely(world, {0.2, 1, 0.3}, {0, 0, 0});
+  world.integrator.hide_emitters = true;
+  expect_every_sample(render_full(world, 4), 1.0, 8 * unit_roundoff);
+}
+
 TEST(metamorphic_image, hidden_emitters_are_not_seen_and_still_shine) {
   World world;
   add_quad(add_shape(world, diffuse(0.5), Sides::front).mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});

@@ -1,6 +1,7 @@
 #include "upload.h"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 
 #include "error.h"
@@ -36,6 +37,16 @@ std::vector<BufferPlan> plan_buffers(const Scene& scene, const Bvh& bvh) {
           plan_of("filter", scene.filter),
           {"camera", &scene.camera, sizeof(Camera)},
           {"settings", &scene.settings, sizeof(Settings)}};
+}
+
+double bytes_per_triangle(const Scene& scene, const Bvh& bvh) {
+  assert(!scene.triangles.empty());
+  std::size_t bytes = 0;
+  for (const BufferPlan& buffer :
+       {plan_of("", bvh.nodes), plan_of("", bvh.blocks), plan_of("", scene.triangle_shape), plan_of("", scene.triangle_vertices),
+        plan_of("", scene.normals), plan_of("", scene.uvs)})
+    bytes += buffer.bytes;
+  return static_cast<double>(bytes) / static_cast<double>(scene.triangles.size());
 }
 
 std::size_t film_bytes(const Settings& settings) { return pixels(settings) * sizeof(FilmPixel); }

@@ -21,6 +21,10 @@ struct BufferPlan {
 // In the order of SCENE_ARGUMENTS (cl/scene.h). Points into scene and bvh.
 std::vector<BufferPlan> plan_buffers(const Scene& scene, const Bvh& bvh);
 
+// What a triangle costs on the device, bytes: its share of the tree, of the leaves and of what shading asks for. Lights and textures
+// are the scene's. The scene has triangles.
+double bytes_per_triangle(const Scene& scene, const Bvh& bvh);
+
 // Bytes of the film's buffers, which the device fills: pixels, and second moments if the scene asks for them.
 std::size_t film_bytes(const Settings& settings);
 std::size_t moment_bytes(const Scene& scene);

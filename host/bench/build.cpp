@@ -15,16 +15,6 @@
 namespace oclair::bench {
 namespace {
 
-// The nodes and leaves, and what shading reads for each triangle or vertex; no textures.
-double bytes_per_triangle(const Scene& scene, const Bvh& bvh) {
-  double bytes = 0.0;
-  for (const BufferPlan& buffer : plan_buffers(scene, bvh))
-    for (const char* name :
-         {"nodes", "triangle blocks", "triangle shapes", "triangle vertices", "normals", "texture coordinates"})
-      if (buffer.name == name) bytes += static_cast<double>(buffer.bytes);
-  return bytes / static_cast<double>(scene.triangles.size());
-}
-
 // Both use as many threads as there are cores that this process may use.
 void compare(const Options& options, const Subject& subject, bool one_core, Table& table) {
   if (one_core) use_one_core();
@@ -38,7 +28,7 @@ void compare(const Options& options, const Subject& subject, bool one_core, Tabl
               options.rounds);
   table.add({subject.name + " build, " + (one_core ? "one core" : "all cores") + ": rtcCommitScene", "s",
              spread_of(seconds[0]).median, spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
-  if (one_core) return;
+  if (one_core || scene.triangles.empty()) return;
   table.add(
       {subject.name + " device memory per triangle", "bytes", bytes_per_triangle(scene, build_bvh(scene, width)), {}, {}});
 }

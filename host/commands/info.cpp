@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -40,15 +39,8 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
     sum += buffer.bytes;
   }
   row("memory") << format_bytes(sum) << " on the device\n";
-  // What a triangle costs: its share of the tree, of the leaves and of what shading asks for. Lights, textures are the scene's.
-  constexpr const char* OF_TRIANGLES[] = {"nodes",   "triangle blocks",    "triangle shapes", "triangle vertices",
-                                          "normals", "texture coordinates"};
-  std::size_t geometry = 0;
-  for (const char* const name : OF_TRIANGLES)
-    geometry += std::find_if(buffers.begin(), buffers.end(), [&](const BufferPlan& b) { return b.name == name; })->bytes;
   if (!scene.triangles.empty())
-    row("per triangle") << std::fixed << std::setprecision(1)
-                        << static_cast<double>(geometry) / static_cast<double>(scene.triangles.size())
+    row("per triangle") << std::fixed << std::setprecision(1) << bytes_per_triangle(scene, bvh)
                         << " bytes of nodes, blocks and what shading reads\n";
 }
 

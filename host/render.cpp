@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "error.h"
+#include "variant.h"
 
 namespace oclair {
 namespace {
@@ -38,7 +39,9 @@ std::size_t padded_pixels(const Settings& settings) {
 }
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
-  return {scene.features, bvh.width, bvh.stack_size(), scene.approximations};
+  const Features features =
+      scene.exact_kernel ? scene.features : variant_features(variant_of(scene.features), scene.features);
+  return {features, bvh.width, bvh.stack_size(), scene.approximations};
 }
 
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {

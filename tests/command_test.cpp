@@ -71,6 +71,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "--max-depth", "4294967296"}, "expected a whole number from 0 to 4294967295"},
       {{"render", "a.xml", "--fresnel", "fast"}, "--fresnel 'fast': expected exact or schlick"},
       {{"render", "a.xml", "--fresnel"}, "--fresnel"},
+      {{"render", "a.xml", "--kernels", "all"}, "--kernels 'all': expected shared or exact"},
       {{"render", "a.xml", "--size", "512"}, "--size '512': " + size},
       {{"render", "a.xml", "--size", "0x512"}, "--size '0x512': " + size},
       {{"render", "a.xml", "--size", "512x65537"}, "--size '512x65537': " + size},

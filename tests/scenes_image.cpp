@@ -6,6 +6,7 @@
 #include <set>
 
 #include "../host/reader.h"
+#include "../host/variant.h"
 #include "worlds.h"
 
 using namespace oclair;
@@ -35,7 +36,7 @@ std::vector<std::string> scene_names() {
 
 std::set<std::string> names_of(Features features) {
   std::set<std::string> names;
-#define INSERT_NAME(name, bit, description) \
+#define INSERT_NAME(name, bit, variant, description) \
   if (features & FEATURE_##name) names.insert(#name);
   FEATURE_LIST(INSERT_NAME)
 #undef INSERT_NAME
@@ -58,6 +59,14 @@ Film render(const Scene& scene, uint samples) {
   Renderer renderer = start_render(device(), scene, bvh);
   render_pass(renderer, samples);
   return read_film(renderer);
+}
+
+std::size_t different_pixels(const Film& a, const Film& b) {
+  EXPECT_EQ(a.pixels.size(), b.pixels.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    different += std::memcmp(&a.pixels[i], &b.pixels[i], sizeof(FilmPixel)) != 0;
+  return different;
 }
 
 double mean_of(const Film& film, uint x0, uint y0, uint x1, uint y1) {
@@ -86,20 +95,25 @@ TEST(scenes_image, a_scene_requires_exactly_the_features_that_its_header_names) 
 }
 
 // Features that a scene does not have draw no random numbers and touch no arithmetic of those that it has.
-TEST(scenes_image, a_kernel_with_all_features_gives_the_film_of_the_specialised_one) {
+TEST(scenes_image, kernels_with_more_features_give_the_film_of_the_exact_one) {
   for (const std::string& name : scene_names()) {
     World world = scene_file(name);
     shrink(world, 24, 24);
     Scene scene = place_scene(world);
-    const Film specialised = render(scene, 3);
+    const Film shared = render(scene, 3);
+    scene.exact_kernel = true;
+    const Film exact = render(scene, 3);
     scene.features = every_feature;
     const Film full = render(scene, 3);
-    ASSERT_EQ(specialised.pixels.size(), full.pixels.size());
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < full.pixels.size(); ++i)
-      different += std::memcmp(&specialised.pixels[i], &full.pixels[i], sizeof(FilmPixel)) != 0;
-    EXPECT_EQ(different, 0u) << name;
+    EXPECT_EQ(different_pixels(exact, shared), 0u) << name;
+    EXPECT_EQ(different_pixels(exact, full), 0u) << name;
   }
+}
+
+TEST(scenes_image, the_scenes_of_the_repository_share_three_kernels) {
+  std::set<Variant> variants;
+  for (const std::string& name : scene_names()) variants.insert(variant_of(place_scene(scene_file(name)).features));
+  EXPECT_EQ(variants, (std::set{Variant::PLAIN, Variant::SURFACES, Variant::TEXTURED}));
 }
 
 // Radiance 1 / (1 - 0.5) everywhere. 4096 pixels of 16 samples; the spread between pixels gives the standard error.

@@ -6,6 +6,7 @@
 
 #include "../error.h"
 #include "../render.h"
+#include "../variant.h"
 #include "bench.h"
 #include "child.h"
 #include "machine.h"
@@ -17,28 +18,34 @@
 namespace oclair::bench {
 namespace {
 
-enum Action : unsigned char { render_special, render_full, trace_rays, count_closest, count_any, action_count };
+enum Action : unsigned char { render_exact, render_shared, render_full, trace_rays, count_closest, count_any, action_count };
 
-// Everything but second moments, which only write more of the film, unless the scene has them.
-Features all_features(const Scene& scene) { return (ALL_FEATURES & ~FEATURE_MOMENTS) | scene.features; }
+// What a scene's kernel is compiled for.
+enum class Kernel { exact, shared, full };
+
+Scene compiled_for(Kernel kernel, Scene scene) {
+  scene.exact_kernel = kernel != Kernel::shared;
+  if (kernel == Kernel::full) scene.features = variant_features(Variant::FULL, scene.features);
+  return scene;
+}
 
 struct Measured {
   Device device;
-  Scene scene, everything;  // the latter: for a kernel with all features
+  Scene scene, shared_scene, full_scene;
   Bvh bvh;
-  std::unique_ptr<Renderer> special, full;
+  std::unique_ptr<Renderer> exact, shared, full;
   std::unique_ptr<OurTraversal> closest, any;
   RecordedRays rays;
 
-  Measured(const Options& options, Scene placed) : device(open_device(options.device)), scene(std::move(placed)) {
+  Measured(const Options& options, Scene placed) : device(open_device(options.device)), scene(compiled_for(Kernel::exact, std::move(placed))) {
     bvh = build_bvh(scene, device.bvh_width);
-    special = std::make_unique<Renderer>(start_render(device, scene, bvh));
+    exact = std::make_unique<Renderer>(start_render(device, scene, bvh));
   }
 
-  void prepare_full() {
-    everything = scene;
-    everything.features = all_features(scene);
-    full = std::make_unique<Renderer>(start_render(device, everything, bvh));
+  void prepare_others() {
+    shared_scene = compiled_for(Kernel::shared, scene), full_scene = compiled_for(Kernel::full, scene);
+    shared = std::make_unique<Renderer>(start_render(device, shared_scene, bvh));
+    full = std::make_unique<Renderer>(start_render(device, full_scene, bvh));
   }
 
   void prepare_rays(unsigned samples) {
@@ -59,11 +66,12 @@ void render_again(Renderer& renderer, unsigned samples) {
 Worker::Actions one_core_actions(const Options& options, const Subject& subject, unsigned samples) {
   use_one_core();
   const auto measured = std::make_shared<Measured>(options, subject.make());
-  measured->prepare_full();
+  measured->prepare_others();
   if (!(measured->scene.features & FEATURE_OPACITY)) measured->prepare_rays(samples);
   const auto timed_here = [=](std::function<void()> run) { return timed_on(measured->device, std::move(run)); };
   Worker::Actions actions(action_count);
-  actions[render_special] = timed_here([=] { render_again(*measured->special, samples); });
+  actions[render_exact] = timed_here([=] { render_again(*measured->exact, samples); });
+  actions[render_shared] = timed_here([=] { render_again(*measured->shared, samples); });
   actions[render_full] = timed_here([=] { render_again(*measured->full, samples); });
   actions[trace_rays] = timed_here([=] {
     if (!measured->rays.closest.empty()) measured->closest->run(false);
@@ -87,13 +95,12 @@ double object_bytes(const std::filesystem::path& directory) {
   return bytes;
 }
 
-Compilation compile(const Options& options, const Subject& subject, bool everything) {
+Compilation compile(const Options& options, const Subject& subject, Kernel kernel) {
   const TemporaryDirectory cache;
   const std::string result = in_child([&] {
     setenv("POCL_CACHE_DIR", cache.path().c_str(), 1);
     const Device device = open_device(options.device);
-    Scene scene = subject.make();
-    if (everything) scene.features = all_features(scene);
+    const Scene scene = compiled_for(kernel, subject.make());
     const Bvh bvh = build_bvh(scene, device.bvh_width);
     return std::to_string(timed_on(device, [&] { start_render(device, scene, bvh); })());
   });
@@ -101,20 +108,23 @@ Compilation compile(const Options& options, const Subject& subject, bool everyth
 }
 
 void compare_kernels(const Options& options, const Subject& subject, Worker& one_core, Table& table) {
-  std::vector<double> times[2];
-  Compilation special{}, full{};
-  for (unsigned round = 0; round < std::min(options.rounds, 2u); ++round) {
-    special = compile(options, subject, false), full = compile(options, subject, true);
-    times[0].push_back(special.seconds), times[1].push_back(full.seconds);
+  constexpr Kernel kernels[] = {Kernel::exact, Kernel::shared, Kernel::full};
+  Seconds times[3];
+  double bytes[3];
+  for (unsigned round = 0; round < std::min(options.rounds, 2u); ++round)
+    for (int k = 0; k < 3; ++k) {
+      const Compilation compilation = compile(options, subject, kernels[k]);
+      times[k].push_back(compilation.seconds), bytes[k] = compilation.bytes;
+    }
+  const auto run = [&](Action action) { return Contender{{}, [&one_core, action] { return one_core.run(action); }}; };
+  const auto seconds = measure({run(render_exact), run(render_shared), run(render_full)}, options.rounds);
+  for (int k = 1; k < 3; ++k) {
+    const std::string name = subject.name + " exact kernel against " + (k == 1 ? "shared: " : "full: ");
+    table.add({name + "compile", "s", spread_of(times[0]).median, spread_of(times[k]).median, ratio_of(times[k], times[0])});
+    const double ratio = bytes[k] / bytes[0];
+    table.add({name + "machine code", "KiB", bytes[0] / 1024.0, bytes[k] / 1024.0, Spread{ratio, ratio, ratio}});
+    table.add({name + "render", "s", spread_of(seconds[0]).median, spread_of(seconds[k]).median, ratio_of(seconds[k], seconds[0])});
   }
-  const std::string name = subject.name + " specialised kernel against full: ";
-  table.add({name + "compile", "s", spread_of(times[0]).median, spread_of(times[1]).median, ratio_of(times[1], times[0])});
-  table.add({name + "machine code", "KiB", special.bytes / 1024.0, full.bytes / 1024.0,
-             Spread{full.bytes / special.bytes, full.bytes / special.bytes, full.bytes / special.bytes}});
-  const auto seconds = measure(
-      {{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(render_full); }}}, options.rounds);
-  table.add(
-      {name + "render", "s", spread_of(seconds[0]).median, spread_of(seconds[1]).median, ratio_of(seconds[1], seconds[0])});
 }
 
 void compare_with_traversal(const Options& options, const Subject& subject, double samples, Worker& one_core, Table& table) {
@@ -125,7 +135,7 @@ void compare_with_traversal(const Options& options, const Subject& subject, doub
     return;
   }
   const auto seconds = measure(
-      {{{}, [&] { return one_core.run(render_special); }}, {{}, [&] { return one_core.run(trace_rays); }}}, options.rounds);
+      {{{}, [&] { return one_core.run(render_exact); }}, {{}, [&] { return one_core.run(trace_rays); }}}, options.rounds);
   const double render = spread_of(seconds[0]).median, trace = spread_of(seconds[1]).median;
   table.add({subject.name + " rays/s, share of the bare traversal", "Mrays/s", rays * 1e-6 / render, rays * 1e-6 / trace,
              ratio_of(seconds[1], seconds[0])});
@@ -137,7 +147,7 @@ void compare_cores(const Options& options, const Subject& subject, unsigned samp
     return [&, one]() -> Worker::Actions {
       if (one) use_one_core();
       const auto measured = std::make_shared<Measured>(options, subject.make());
-      const auto render = [=] { render_again(*measured->special, samples); };
+      const auto render = [=] { render_again(*measured->exact, samples); };
       return {timed(render), timed_on_cpu(render)};
     };
   };

@@ -29,6 +29,7 @@ struct RenderOptions {
   std::optional<std::uint64_t> seed;
   std::optional<unsigned> max_depth;
   Approximations approximations = 0;
+  bool exact_kernel = false;
 };
 
 struct InfoOptions {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "../render.h"
+#include "../variant.h"
 #include "report.h"
 #include "options.h"
 
@@ -23,7 +24,7 @@ void print_film(const WorldFilm& film, std::uint64_t samples_per_pixel) {
 }
 
 void print_features(Features features) {
-#define FEATURE_ROW(name, bit, description) \
+#define FEATURE_ROW(name, bit, variant, description) \
   if (features & FEATURE_##name) row("feature") << #name << ": " << description << "\n";
   FEATURE_LIST(FEATURE_ROW)
 #undef FEATURE_ROW
@@ -64,7 +65,7 @@ Exit info(const InfoOptions& options) {
              << bvh.depth << "\n";
   print_features(scene.features);
   const KernelOptions kernel = kernel_options(scene, bvh);
-  row("kernel") << "render in path.cl: features 0x" << std::hex << kernel.features << std::dec << ", width "
+  row("kernel") << "render in path.cl, " << name_of(variant_of(scene.features)) << ": features 0x" << std::hex << kernel.features << std::dec << ", width "
                 << kernel.bvh_width << ", stack of " << kernel.stack_size << "\n";
   row("device") << device.name << "\n";
   print_memory(scene, bvh);

@@ -68,6 +68,12 @@ Approximations fresnel(const std::string& option, const std::string& given) {
   refuse(option, given, "exact or schlick");
 }
 
+bool exact_kernel(const std::string& option, const std::string& given) {
+  if (given == "shared") return false;
+  if (given == "exact") return true;
+  refuse(option, given, "shared or exact");
+}
+
 glm::uvec2 film_size(const std::string& option, const std::string& given) {
   constexpr std::uint64_t most = 65536;
   const std::size_t cross = std::min(given.find('x'), given.size());

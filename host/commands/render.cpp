@@ -65,7 +65,7 @@ void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress
 
 std::string feature_names(Features features) {
   std::string names;
-#define FEATURE_NAME(name, bit, description) \
+#define FEATURE_NAME(name, bit, variant, description) \
   if (features & FEATURE_##name) names += (names.empty() ? "" : " ") + std::string(#name);
   FEATURE_LIST(FEATURE_NAME)
 #undef FEATURE_NAME
@@ -132,6 +132,7 @@ Exit render(const RenderOptions& options) {
   // What the scene has no use for is neither compiled nor recorded.
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
+  scene.exact_kernel = options.exact_kernel;
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   scene.positions = {};
   scene.triangles = {};
@@ -181,6 +182,10 @@ Command render_command(CLI::App& program) {
           "--fresnel", [options](const std::string& given) { options->approximations = fresnel("--fresnel", given); },
           "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact")
       ->type_name("exact|schlick");
+  line.add_option_function<std::string>(
+          "--kernels", [options](const std::string& given) { options->exact_kernel = exact_kernel("--kernels", given); },
+          "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared")
+      ->type_name("shared|exact");
   add_device(line, options->device);
   return {&line, [&line, options, outputs] {
             outputs->png = line.count("--png") > 0;

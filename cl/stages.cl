@@ -49,11 +49,12 @@ STAGE shadow_rays(SCENE_ARGUMENTS, __global PathState *paths, __global const Sha
 }
 
 STAGE accumulate(SCENE_ARGUMENTS, __global const PathState *paths, __global FilmPixel *film, __global FilmMoments *moments,
-                 uint base) {
+                 __global FilmErrors *errors, uint base, ulong sample) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(scene.settings, base + (uint)get_global_id(0));
   if (!pixel.inside) return;
   PathState path = paths[get_global_id(0)];
   film_add(film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0, unpack3(path.radiance), path.hit_anything,
            settings->film_exponent);
+  film_end_sample(film + pixel.index, errors + pixel.index, sample);
 }

@@ -183,6 +183,8 @@ typedef struct FilterEntry {
   uint first;      // where the search for the integral i / (count - 1) and above begins: an entry whose integral is not larger
 } FilterEntry;
 
+enum SamplerKind { SAMPLER_INDEPENDENT, SAMPLER_SOBOL };
+
 // One for the whole render.
 typedef struct Settings {
   ulong seed;
@@ -202,14 +204,16 @@ typedef struct Settings {
   packed_float3 environment_x;     // rows of the rotation from the world to the environment map
   uint environment_texture;        // 1 + its index, or 0
   packed_float3 environment_y;
-  uint pad0;
+  uint sampler;                    // SamplerKind
   packed_float3 environment_z;
-  uint pad1;
+  uint pad;
 } Settings;
 
 #define FILM_FRACTION_BITS 54         // bits of a film sum below 2^film_exponent
 #define FILM_MOMENT_FRACTION_BITS 38  // half the bits of a film product below 2^film_exponent
+#define FILM_SQUARE_FRACTION_BITS 36  // the same of a replica's square, see FilmErrors
 #define FILM_HEADROOM_BITS 40         // a sample of 2^(film_exponent + this) or more is rejected and counted
+#define REPLICA_SAMPLES 16            // a power of two
 
 // Exact sums: 128-bit two's complement integers, least significant limb first. Integer addition is associative, so the film
 // depends only on the set of samples, not on their order. See docs/decisions/.
@@ -222,6 +226,13 @@ typedef struct FilmPixel {
 typedef struct FilmMoments {
   ulong product[6][3];  // 192-bit sums of products of two channels, in units of 2^(2 (film_exponent - FILM_MOMENT_FRACTION_BITS))
 } FilmMoments;
+
+// What the standard error of a pixel is made of. Replica k of a pixel is its samples [k REPLICA_SAMPLES, (k + 1) REPLICA_SAMPLES); these are
+// sums over the replicas that are complete. Like the pixel's own, they add up when disjoint ranges of replicas are joined.
+typedef struct FilmErrors {
+  ulong sum[3][2];     // of their samples, in units of FilmPixel::sum
+  ulong square[3][3];  // of the squares of each replica's sum, 192 bits, in units of 2^(2 (film_exponent - FILM_SQUARE_FRACTION_BITS))
+} FilmErrors;
 
 // Where the product of channels a and b stands: rr, gg, bb, rg, rb, gb.
 #define MOMENT_INDEX(a, b) ((a) == (b) ? (a) : (a) + (b) + 2)

@@ -20,4 +20,11 @@ struct Error : std::runtime_error {
   Exit exit;
 };
 
+// Text from a file or a command line as part of a message, which has one line.
+inline std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  return text;
+}
+
 }  // namespace oclair

@@ -1,5 +1,6 @@
 #include "film.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace oclair {
@@ -35,6 +36,28 @@ glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel) {
                                              2 * (film.exponent - FILM_MOMENT_FRACTION_BITS)) /
                                        static_cast<long double>(n));
   return mean;
+}
+
+// Of n replicas of R samples with sums S_k, T = sum S_k and Q = sum S_k^2, the variance of a replica's sum is estimated without bias by
+// s^2 = (Q - T^2/n)/(n - 1), whatever a replica's samples have to do with each other, because replicas are independent. T/(n R) then has
+// the variance s^2/(n R^2). pixel_mean divides by the accepted samples instead, which the last factor is for.
+//
+// T is exact, each square is rounded to 2^(2 (exponent - FILM_SQUARE_FRACTION_BITS)), and the difference loses T^2/n 2^-63 to the 64 bits
+// of long double: a relative error of the mean below 2^-31/sqrt(n) is not resolved, nor one below 2^(exponent - FILM_SQUARE_FRACTION_BITS)/R.
+std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std::size_t pixel) {
+  const std::uint64_t taken = accepted(film, pixel);
+  if (film.replicas < 2 || taken == 0) return {};
+  const long double n = static_cast<long double>(film.replicas);
+  const long double scale = static_cast<long double>(film.samples) / (static_cast<long double>(taken) * REPLICA_SAMPLES);
+  std::array<double, 3> error{};
+  for (int c = 0; c < 3; ++c) {
+    const FilmErrors& sums = film.errors[pixel];
+    const long double total = value(sums.sum[c], 2, film.exponent - FILM_FRACTION_BITS);
+    const long double squares = value(sums.square[c], 3, 2 * (film.exponent - FILM_SQUARE_FRACTION_BITS));
+    const long double variance = std::max(0.0L, squares - total * total / n) / (n - 1.0L);
+    error[c] = static_cast<double>(std::sqrt(variance / n) * scale);
+  }
+  return error;
 }
 
 double pixel_alpha(const Film& film, std::size_t pixel) {

@@ -12,6 +12,11 @@ Error device_error(const Device& device, const cl::Error& error) {
   return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
 }
 
+std::string description(uint width, uint height, int exponent, bool moments) {
+  return std::to_string(width) + "x" + std::to_string(height) + " pixels " + (moments ? "with" : "without") + " moments in units of 2^" +
+         std::to_string(exponent - FILM_FRACTION_BITS);
+}
+
 cl::Buffer zeroed(const Device& device, std::size_t bytes) {
   if (bytes == 0) return {};
   cl::Buffer buffer(device.context, CL_MEM_READ_WRITE, bytes);
@@ -21,9 +26,9 @@ cl::Buffer zeroed(const Device& device, std::size_t bytes) {
 
 // Blocks until it is done.
 void launch(Renderer& renderer, std::size_t base, std::size_t items, uint samples) {
-  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 2;
+  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 3;
   renderer.kernel.setArg(first, static_cast<cl_uint>(base));
-  renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.samples));
+  renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.first_sample + renderer.samples));
   renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
   const cl::CommandQueue& queue = renderer.device->queue;
   queue.enqueueNDRangeKernel(renderer.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
@@ -46,14 +51,15 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
 
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
-  check_memory(device, plan, film_bytes(scene.settings), moment_bytes(scene));
+  check_memory(device, plan, film_bytes(scene.settings), moment_bytes(scene), error_bytes(scene.settings));
   try {
     Renderer renderer{&device, scene.settings, upload(device, plan), zeroed(device, film_bytes(scene.settings)),
-                      zeroed(device, moment_bytes(scene)), {}, 0};
+                      zeroed(device, moment_bytes(scene)), zeroed(device, error_bytes(scene.settings)), {}};
     renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film);
     renderer.kernel.setArg(next + 1, renderer.moments);
+    renderer.kernel.setArg(next + 2, renderer.errors);
     launch(renderer, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
     return renderer;
   } catch (const cl::Error& error) {
@@ -81,10 +87,13 @@ Film read_film(const Renderer& renderer) {
   film.height = renderer.settings.crop_height;
   film.exponent = renderer.settings.film_exponent;
   film.samples = renderer.samples;
+  film.replicas = renderer.samples / REPLICA_SAMPLES;
   const std::size_t count = std::size_t{film.width} * film.height;
   film.pixels.resize(count);
+  film.errors.resize(count);
   try {
     renderer.device->queue.enqueueReadBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
+    renderer.device->queue.enqueueReadBuffer(renderer.errors, CL_TRUE, 0, count * sizeof(FilmErrors), film.errors.data());
     if (renderer.moments()) {
       film.moments.resize(count);
       renderer.device->queue.enqueueReadBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
@@ -93,6 +102,27 @@ Film read_film(const Renderer& renderer) {
     throw device_error(*renderer.device, error);
   }
   return film;
+}
+
+void restore_film(Renderer& renderer, const Film& film) {
+  const Settings& settings = renderer.settings;
+  const std::size_t count = std::size_t{settings.crop_width} * settings.crop_height;
+  const bool moments = renderer.moments() != nullptr;
+  if (film.width != settings.crop_width || film.height != settings.crop_height || film.exponent != settings.film_exponent ||
+      film.pixels.size() != count || film.errors.size() != count || film.moments.size() != (moments ? count : 0) ||
+      film.replicas != film.samples / REPLICA_SAMPLES)
+    throw Error(Exit::render_failed, "film: " + description(film.width, film.height, film.exponent, !film.moments.empty()) +
+                                         ", expected " +
+                                         description(settings.crop_width, settings.crop_height, settings.film_exponent, moments));
+  try {
+    const cl::CommandQueue& queue = renderer.device->queue;
+    queue.enqueueWriteBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
+    queue.enqueueWriteBuffer(renderer.errors, CL_TRUE, 0, count * sizeof(FilmErrors), film.errors.data());
+    if (moments) queue.enqueueWriteBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
+  } catch (const cl::Error& error) {
+    throw device_error(*renderer.device, error);
+  }
+  renderer.samples = film.samples;
 }
 
 }  // namespace oclair

@@ -16,6 +16,8 @@ struct Film {
   std::uint64_t samples = 0;    // per pixel, rejected ones included
   std::vector<FilmPixel> pixels;
   std::vector<FilmMoments> moments;  // empty without FEATURE_MOMENTS
+  std::vector<FilmErrors> errors{};
+  std::uint64_t replicas = 0;   // per pixel: complete ones, over which the errors are summed
 };
 
 // PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
@@ -28,9 +30,10 @@ struct Renderer {
   const Device* device;
   Settings settings;
   std::vector<cl::Buffer> scene;
-  cl::Buffer film, moments;
+  cl::Buffer film, moments, errors;
   cl::Kernel kernel;
-  std::uint64_t samples = 0;  // per pixel, so far
+  std::uint64_t first_sample = 0;  // number of the first sample that is rendered, a multiple of REPLICA_SAMPLES
+  std::uint64_t samples = 0;       // per pixel, from there on, so far
 };
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
@@ -45,5 +48,10 @@ Renderer start_render(const Device& device, const Scene& scene, Bvh&& bvh) = del
 void render_pass(Renderer& renderer, uint samples, const std::function<void(double)>& progress = {});
 
 Film read_film(const Renderer& renderer);
+
+// Puts back a film that was read before, for rendering to go on behind its samples: one range of them, which begins at
+// renderer.first_sample. Throws Error(Exit::render_failed) if the film is not one of this window, exponent and these moments, and
+// Error(Exit::device).
+void restore_film(Renderer& renderer, const Film& film);
 
 }  // namespace oclair

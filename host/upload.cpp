@@ -55,7 +55,10 @@ std::size_t moment_bytes(const Scene& scene) {
   return scene.features & FEATURE_MOMENTS ? pixels(scene.settings) * sizeof(FilmMoments) : 0;
 }
 
-void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments) {
+std::size_t error_bytes(const Settings& settings) { return pixels(settings) * sizeof(FilmErrors); }
+
+void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments,
+                  std::size_t errors) {
   const std::size_t largest_allowed = device.device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
   const std::size_t all_allowed = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   const auto mib = [](std::size_t bytes) { return std::to_string((bytes + 0xfffff) >> 20) + " MiB"; };
@@ -67,8 +70,9 @@ void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std
   for (const BufferPlan& buffer : plan) check("buffer \"" + buffer.name + "\"", buffer.bytes, largest_allowed);
   check("buffer \"film\"", film, largest_allowed);
   check("buffer \"moments\"", moments, largest_allowed);
+  check("buffer \"errors\"", errors, largest_allowed);
   check("the scene with its film",
-        std::accumulate(plan.begin(), plan.end(), film + moments,
+        std::accumulate(plan.begin(), plan.end(), film + moments + errors,
                         [](std::size_t sum, const BufferPlan& b) { return sum + b.bytes; }),
         all_allowed);
 }

@@ -25,12 +25,14 @@ std::vector<BufferPlan> plan_buffers(const Scene& scene, const Bvh& bvh);
 // are the scene's. The scene has triangles.
 double bytes_per_triangle(const Scene& scene, const Bvh& bvh);
 
-// Bytes of the film's buffers, which the device fills: pixels, and second moments if the scene asks for them.
+// Bytes of the film's buffers, which the device fills: pixels, second moments if the scene asks for them, and what the error is made of.
 std::size_t film_bytes(const Settings& settings);
 std::size_t moment_bytes(const Scene& scene);
+std::size_t error_bytes(const Settings& settings);
 
 // Throws Error(Exit::device) if a buffer exceeds what the device allocates at once, or all of them its memory.
-void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments);
+void check_memory(const Device& device, const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments,
+                  std::size_t errors);
 
 // A device that shares the host's memory reads the plan's arrays where they lie: these must outlive the buffers.
 std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan);

@@ -10,6 +10,17 @@ __kernel void add(uint count, __global const uint *place, __global const packed_
       film_add(pixels + place[i], moments + place[i], unpack3(samples[i * per_pixel + k]), (k & 1u) == 0u, exponent);
 }
 
+// The same for samples that follow each other from number `first` on: `errors` gets the replicas that they complete.
+__kernel void add_in_replicas(uint count, __global const packed_float3 *samples, uint per_pixel, ulong first, int exponent,
+                              __global FilmPixel *pixels, __global FilmErrors *errors) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  for (uint k = 0; k < per_pixel; ++k) {
+    film_add(pixels + i, 0, unpack3(samples[i * per_pixel + k]), true, exponent);
+    film_end_sample(pixels + i, errors + i, first + k);
+  }
+}
+
 __kernel void accepts(uint count, __global const float *x, __global const int *exponent, __global uint *result) {
   size_t i = get_global_id(0);
   if (i < count) result[i] = film_accepts(x[i], exponent[i]);

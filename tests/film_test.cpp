@@ -37,6 +37,29 @@ Wide rounded(long double x) {
   return limbs;
 }
 
+// The square of x in units of a square of the film, rounded to the nearest, ties up: in digits of 32 bits, as on paper.
+Wide rounded_square(Uint128 x) {
+  constexpr int shift = 2 * (FILM_FRACTION_BITS - FILM_SQUARE_FRACTION_BITS);
+  std::array<cl_ulong, 9> digit{};
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      const cl_ulong product = static_cast<cl_ulong>(static_cast<cl_uint>(x >> (32 * i))) * static_cast<cl_uint>(x >> (32 * j));
+      digit[i + j] += static_cast<cl_uint>(product);
+      digit[i + j + 1] += product >> 32;
+    }
+  digit[(shift - 1) / 32] += cl_ulong{1} << ((shift - 1) % 32);
+  for (std::size_t i = 0; i + 1 < digit.size(); ++i) {
+    digit[i + 1] += digit[i] >> 32;
+    digit[i] &= 0xffffffffu;
+  }
+  Wide limbs{};
+  for (int bit = 0; bit < 192; ++bit)
+    limbs[bit / 64] |= (digit[(bit + shift) / 32] >> ((bit + shift) % 32) & 1) << (bit % 64);
+  return limbs;
+}
+
+Uint128 narrow(const Wide& x) { return static_cast<Uint128>(x[1]) << 64 | x[0]; }
+
 struct Sums {
   std::array<Wide, 3> sum{};
   std::array<std::array<Wide, 3>, 3> product{};
@@ -87,6 +110,13 @@ struct Pixels {
 void add(Pixels& film, const std::vector<cl_uint>& place, const std::vector<packed_float3>& samples, int exponent, cl_uint repeat = 1) {
   run("film_test.cl", "add", place.size(), place, samples, static_cast<cl_uint>(samples.size() / place.size()), repeat,
       static_cast<cl_int>(exponent), out(film.pixels), out(film.moments));
+}
+
+// As many samples for each pixel, in their order from number `first` on.
+void add_in_replicas(std::vector<FilmPixel>& film, std::vector<FilmErrors>& errors, const std::vector<packed_float3>& samples,
+                     cl_ulong first, int exponent) {
+  run_with({every_feature & ~FEATURE_MOMENTS}, "film_test.cl", "add_in_replicas", film.size(), samples,
+           static_cast<cl_uint>(samples.size() / film.size()), first, static_cast<cl_int>(exponent), out(film), out(errors));
 }
 
 std::vector<cl_uint> all_places(std::size_t n) {
@@ -322,4 +352,113 @@ TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
   EXPECT_EQ(pixel_mean(none, 0), (std::array<double, 3>{}));
   EXPECT_EQ(pixel_mean_products(none, 0), glm::dmat3(0.0));
   EXPECT_EQ(pixel_alpha(none, 0), 0.0);
+}
+
+TEST(film_test, sums_and_squares_of_complete_replicas_are_the_exact_integers) {
+  Random random(7);
+  const std::size_t pixels = count_or_small(300, 3), each = 5 * REPLICA_SAMPLES - 1, complete = 4 * REPLICA_SAMPLES;
+  for (const int exponent : {0, -40, 60, -120, 88}) {
+    std::vector<packed_float3> samples;
+    for (std::size_t i = 0; i < pixels * each; ++i) {
+      const auto draw = [&] { return i / each % 2 ? any_float(random, exponent) : std::min(typical_float(random, exponent), 3e38f); };
+      const float x = draw(), y = draw(), z = random.below(40) == 0 ? -1.0f : draw();
+      samples.push_back({x, y, z});
+    }
+    std::vector<FilmPixel> film(pixels);
+    std::vector<FilmErrors> errors(pixels);
+    add_in_replicas(film, errors, samples, 7 * REPLICA_SAMPLES, exponent);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      std::array<Wide, 3> square{};
+      for (std::size_t first = 0; first < complete; first += REPLICA_SAMPLES) {
+        const Sums replica = expected_sums(&samples[i * each + first], REPLICA_SAMPLES, exponent);
+        for (int c = 0; c < 3; ++c) square[c] = plus(square[c], rounded_square(narrow(replica.sum[c])));
+      }
+      const Sums whole = expected_sums(&samples[i * each], complete, exponent);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(errors[i].sum[c][0], whole.sum[c][0]);
+        EXPECT_EQ(errors[i].sum[c][1], whole.sum[c][1]);
+        for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(errors[i].square[c][limb], square[c][limb]) << limb;
+      }
+    }
+  }
+}
+
+// All but the last of 2^33 samples that are as large as the film takes them stand in the sums already.
+TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) {
+  const float largest = std::nextafter(std::ldexp(1.0f, FILM_HEADROOM_BITS), 0.0f);
+  const std::uint64_t replicas = (std::uint64_t{1} << 33) / REPLICA_SAMPLES;
+  const Uint128 sample = narrow(rounded(std::ldexp(static_cast<long double>(largest), FILM_FRACTION_BITS)));
+  Wide times_a_power = rounded_square(sample * REPLICA_SAMPLES), square{};
+  std::uint64_t n = 1;
+  for (; n < replicas; n *= 2) {
+    square = plus(square, times_a_power);  // 2^k - 1 of them
+    times_a_power = plus(times_a_power, times_a_power);
+  }
+  ASSERT_EQ(n, replicas);
+  ASSERT_GT(times_a_power[2], 0u);
+  const Uint128 before = sample * REPLICA_SAMPLES * (replicas - 1);
+  std::vector<FilmPixel> film(1);
+  std::vector<FilmErrors> errors(1);
+  for (int c = 0; c < 3; ++c) {
+    for (auto* sum : {film[0].sum[c], errors[0].sum[c]}) sum[0] = static_cast<cl_ulong>(before), sum[1] = static_cast<cl_ulong>(before >> 64);
+    std::copy(square.begin(), square.end(), errors[0].square[c]);
+  }
+  add_in_replicas(film, errors, std::vector<packed_float3>(REPLICA_SAMPLES, {largest, largest, largest}), REPLICA_SAMPLES * (replicas - 1), 0);
+  for (int c = 0; c < 3; ++c)
+    for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(errors[0].square[c][limb], times_a_power[limb]);
+  const Film read{1, 1, 0, REPLICA_SAMPLES * replicas, film, {}, errors, replicas};
+  // 2^-63 of the square is what long double loses in each of four roundings.
+  EXPECT_LE((*pixel_standard_error(read, 0))[0], largest * std::sqrt(4 * 0x1p-63 / static_cast<double>(replicas)));
+}
+
+// Against the sample variance of the replicas' means, in two passes; rejected samples are not among those of the mean.
+TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
+  Random random(8);
+  for (const std::size_t replicas : {2, 3, 50}) {
+    std::vector<packed_float3> samples;
+    for (std::size_t i = 0; i < replicas * REPLICA_SAMPLES + 5; ++i)
+      samples.push_back({random.unit24(), 1000.0f + random.unit24(), i == 3 ? -1.0f : 1e-5f * random.unit24()});
+    std::vector<FilmPixel> film(1);
+    std::vector<FilmErrors> errors(1);
+    add_in_replicas(film, errors, samples, 0, 0);
+    const Film read{1, 1, 0, samples.size(), film, {}, errors, replicas};
+    const auto error = pixel_standard_error(read, 0);
+    ASSERT_TRUE(error);
+    for (int c = 0; c < 3; ++c) {
+      std::vector<__float128> sum(replicas);
+      __float128 mean = 0, variance = 0;
+      for (std::size_t i = 0; i < replicas * REPLICA_SAMPLES; ++i)
+        if (i != 3) sum[i / REPLICA_SAMPLES] += c == 0 ? samples[i].x : c == 1 ? samples[i].y : samples[i].z;
+      for (const __float128 s : sum) mean += s / replicas;
+      for (const __float128 s : sum) variance += (s - mean) * (s - mean) / (replicas - 1);
+      const double all = static_cast<double>(samples.size());
+      const double expected = std::sqrt(static_cast<double>(variance / replicas)) / REPLICA_SAMPLES * all / (all - 1);
+      // The difference of squares loses 4 2^-64 of mean^2, here at most 3e6 times the variance; squares are rounded to 2^-72.
+      EXPECT_NEAR((*error)[c], expected, 1e-11 * expected + 0x1p-36);
+    }
+  }
+}
+
+TEST(film_test, there_is_no_standard_error_before_two_replicas_are_complete_or_without_a_sample) {
+  Film film{1, 1, 0, 2 * REPLICA_SAMPLES - 1, {FilmPixel{}}, {}, {FilmErrors{}}, 1};
+  EXPECT_FALSE(pixel_standard_error(film, 0));
+  film.samples = 2 * REPLICA_SAMPLES;
+  film.replicas = 2;
+  EXPECT_TRUE(pixel_standard_error(film, 0));
+  film.pixels[0].rejected = film.samples;
+  EXPECT_FALSE(pixel_standard_error(film, 0));
+}
+
+// 2^-36 is the unit of a replica's sum in its square; n squares that err by half a unit^2.
+TEST(film_test, samples_that_are_all_equal_have_no_standard_error) {
+  const std::size_t replicas = 6;
+  std::vector<FilmPixel> film(1);
+  std::vector<FilmErrors> errors(1);
+  add_in_replicas(film, errors, std::vector<packed_float3>(replicas * REPLICA_SAMPLES, {0.1f, 1e-6f, 3e7f}), 0, 0);
+  const auto error = pixel_standard_error({1, 1, 0, replicas * REPLICA_SAMPLES, film, {}, errors, replicas}, 0);
+  const double resolved = 0x1p-36 / REPLICA_SAMPLES / std::sqrt(2.0 * (replicas - 1));
+  ASSERT_TRUE(error);
+  EXPECT_LE((*error)[0], resolved);
+  EXPECT_LE((*error)[1], resolved);
+  EXPECT_LE((*error)[2], 3e7 * std::sqrt(4 * 0x1p-63 / replicas));
 }

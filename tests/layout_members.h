@@ -31,9 +31,10 @@
   MEMBER(Settings, sample_border) MEMBER(Settings, filter_count) MEMBER(Settings, filter_radius)                        \
   MEMBER(Settings, film_exponent) MEMBER(Settings, environment) MEMBER(Settings, environment_probability)               \
   MEMBER(Settings, environment_x) MEMBER(Settings, environment_texture) MEMBER(Settings, environment_y)                 \
-  MEMBER(Settings, pad0) MEMBER(Settings, environment_z) MEMBER(Settings, pad1)                                         \
+  MEMBER(Settings, sampler) MEMBER(Settings, environment_z) MEMBER(Settings, pad)                                       \
   STRUCT(FilmPixel) MEMBER(FilmPixel, sum) MEMBER(FilmPixel, rejected) MEMBER(FilmPixel, hits)                          \
   STRUCT(FilmMoments) MEMBER(FilmMoments, product)                                                                      \
+  STRUCT(FilmErrors) MEMBER(FilmErrors, sum) MEMBER(FilmErrors, square)                                                 \
   STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
   MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, passes) MEMBER(PathState, hit_anything) MEMBER(PathState, alive)           \
   STRUCT(ShadowRay) MEMBER(ShadowRay, ray) MEMBER(ShadowRay, contribution) MEMBER(ShadowRay, depth)                     \

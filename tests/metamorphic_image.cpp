@@ -2,6 +2,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../host/error.h"
 #include "image.h"
 
 using namespace oclair;
@@ -52,7 +53,7 @@ std::size_t different_pixels(const Film& a, const Film& b) {
   EXPECT_EQ(a.pixels.size(), b.pixels.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
-    bool same = same_pixel(a.pixels[i], b.pixels[i]);
+    bool same = same_pixel(a.pixels[i], b.pixels[i]) && std::memcmp(&a.errors[i], &b.errors[i], sizeof(FilmErrors)) == 0;
     if (!a.moments.empty() && !b.moments.empty()) same = same && std::memcmp(&a.moments[i], &b.moments[i], sizeof(FilmMoments)) == 0;
     count += !same;
   }
@@ -175,11 +176,93 @@ TEST(metamorphic_image, any_split_into_passes_is_the_same_film) {
     for (const uint n : samples) render_pass(renderer, n);
     return read_film(renderer);
   };
-  const Film film = passes({12});
-  EXPECT_EQ(film.samples, 12u);
-  EXPECT_EQ(different_pixels(film, passes(std::vector<uint>(12, 1))), 0u);
-  EXPECT_EQ(different_pixels(film, passes({5, 0, 1, 6})), 0u);
-  EXPECT_GT(different_pixels(film, passes({11})), 0u);
+  const uint samples = 2 * REPLICA_SAMPLES + 3;
+  const Film film = passes({samples});
+  EXPECT_EQ(film.samples, samples);
+  EXPECT_EQ(film.replicas, 2u);
+  EXPECT_EQ(different_pixels(film, passes(std::vector<uint>(samples, 1))), 0u);
+  EXPECT_EQ(different_pixels(film, passes({5, 0, 1, samples - 6})), 0u);
+  EXPECT_GT(different_pixels(film, passes({samples - 1})), 0u);
+}
+
+// Wherever it is stopped: in the middle of a replica too.
+TEST(metamorphic_image, film_that_is_read_and_put_back_goes_on_as_if_nothing_had_been) {
+  const Scene scene = place_scene(zoo());
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  const auto renderer = [&](std::uint64_t first) {
+    Renderer made = start_render(device(), scene, bvh);
+    made.first_sample = first;
+    return made;
+  };
+  const std::uint64_t first = 3 * REPLICA_SAMPLES;
+  const uint samples = 2 * REPLICA_SAMPLES + 1;
+  Renderer undisturbed = renderer(first);
+  render_pass(undisturbed, samples);
+  for (const uint stop : {0u, 1u, REPLICA_SAMPLES - 1u, REPLICA_SAMPLES + 0u, samples}) {
+    Renderer before = renderer(first), after = renderer(first);
+    render_pass(before, stop);
+    restore_film(after, read_film(before));
+    EXPECT_EQ(after.samples, stop);
+    render_pass(after, samples - stop);
+    EXPECT_EQ(different_pixels(read_film(undisturbed), read_film(after)), 0u) << stop;
+  }
+}
+
+TEST(metamorphic_image, film_of_another_window_scale_or_without_moments_is_not_put_back) {
+  const Scene scene = place_scene(zoo());
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  Renderer renderer = start_render(device(), scene, bvh);
+  const Film film = read_film(renderer);
+  const auto refusal = [&](auto change) -> std::string {
+    Film changed = film;
+    change(changed);
+    try {
+      restore_film(renderer, changed);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit, Exit::render_failed);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal([](Film&) {}), "");
+  EXPECT_NE(refusal([](Film& f) { ++f.width; }).find("film: 45x37 pixels with moments"), std::string::npos);
+  EXPECT_NE(refusal([](Film& f) { ++f.exponent; }), "");
+  EXPECT_NE(refusal([](Film& f) { f.moments.clear(); }).find("without moments"), std::string::npos);
+  EXPECT_NE(refusal([](Film& f) { f.errors.pop_back(); }), "");
+  EXPECT_NE(refusal([](Film& f) { f.samples = 2 * REPLICA_SAMPLES, f.replicas = 1; }), "");  // of two ranges that were joined
+}
+
+// Every sum of the film: what two machines have rendered, added up as integers.
+TEST(metamorphic_image, ranges_of_whole_replicas_add_up_to_the_film_of_both) {
+  const Scene scene = place_scene(zoo());
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  const auto range = [&](std::uint64_t first, uint samples) {
+    Renderer renderer = start_render(device(), scene, bvh);
+    renderer.first_sample = first;
+    render_pass(renderer, samples);
+    return read_film(renderer);
+  };
+  const auto add = [](ulong* sum, const ulong* other, int limbs) {
+    bool carry = false;
+    for (int i = 0; i < limbs; ++i) {
+      const ulong before = sum[i];
+      sum[i] += other[i] + carry;
+      carry = sum[i] < before || (carry && sum[i] == before);
+    }
+  };
+  Film sum = range(0, REPLICA_SAMPLES);
+  const Film rest = range(REPLICA_SAMPLES, REPLICA_SAMPLES + 3);
+  for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      add(sum.pixels[i].sum[c], rest.pixels[i].sum[c], 2);
+      add(sum.errors[i].sum[c], rest.errors[i].sum[c], 2);
+      add(sum.errors[i].square[c], rest.errors[i].square[c], 3);
+    }
+    for (int p = 0; p < 6; ++p) add(sum.moments[i].product[p], rest.moments[i].product[p], 3);
+    sum.pixels[i].hits += rest.pixels[i].hits;
+    sum.pixels[i].rejected += rest.pixels[i].rejected;
+  }
+  EXPECT_EQ(different_pixels(range(0, 2 * REPLICA_SAMPLES + 3), sum), 0u);
 }
 
 // With sample_border every pixel has its whole filter and a crop repeats the pixels of the whole. Without it, so do the pixels

@@ -55,7 +55,7 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
   const World world = mixed_world();
   const Scene scene = place_scene(world);
   const Bvh bvh = build_bvh(scene, device().bvh_width);
-  const uint samples = 3;
+  const uint samples = REPLICA_SAMPLES + 2;
   Renderer renderer = start_render(device(), scene, bvh);
   render_pass(renderer, samples);
   const Film expected = read_film(renderer);
@@ -76,12 +76,14 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
       device().queue.enqueueReadBuffer(paths, CL_TRUE, 0, items * sizeof(PathState), states.data());
       if (std::none_of(states.begin(), states.end(), [](const PathState& p) { return p.alive; })) break;
     }
-    stages.run("accumulate", items, paths, staged.film, staged.moments, base);
+    stages.run("accumulate", items, paths, staged.film, staged.moments, staged.errors, base, sample);
   }
   const Film film = read_film(staged);
   ASSERT_EQ(film.pixels.size(), expected.pixels.size());
   EXPECT_EQ(std::memcmp(film.pixels.data(), expected.pixels.data(), film.pixels.size() * sizeof(FilmPixel)), 0);
   EXPECT_EQ(std::memcmp(film.moments.data(), expected.moments.data(), film.moments.size() * sizeof(FilmMoments)), 0);
+  EXPECT_EQ(std::memcmp(film.errors.data(), expected.errors.data(), film.errors.size() * sizeof(FilmErrors)), 0);
+  EXPECT_EQ(film.replicas, 1u);
   double total = 0.0;
   for (std::size_t i = 0; i < film.pixels.size(); ++i) total += pixel_mean(film, i)[0];
   EXPECT_GT(total, 0.0) << "both films are black";

@@ -8,9 +8,9 @@ using namespace oclair::test;
 
 namespace {
 
-std::string refusal(const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments) {
+std::string refusal(const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments, std::size_t errors = 0) {
   try {
-    check_memory(device(), plan, film, moments);
+    check_memory(device(), plan, film, moments, errors);
   } catch (const Error& error) {
     EXPECT_EQ(error.exit, Exit::device);
     return error.what();
@@ -29,6 +29,7 @@ TEST(upload_test, every_buffer_has_the_devices_limit_for_itself) {
   EXPECT_EQ(refusal({{"camera", nullptr, 16}}, most / 2 + 1, half - 1), "");  // together more than one buffer may have
   EXPECT_EQ(refusal({}, most + 1, 0).find("device memory: buffer \"film\" takes "), 0u);
   EXPECT_EQ(refusal({}, 0, most + 1).find("device memory: buffer \"moments\" takes "), 0u);
+  EXPECT_EQ(refusal({}, 0, 0, most + 1).find("device memory: buffer \"errors\" takes "), 0u);
   EXPECT_EQ(refusal({{"normals", nullptr, most + 1}}, 0, 0).find("device memory: buffer \"normals\" takes "), 0u);
 }
 

@@ -34,6 +34,7 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
   std::vector<BufferPlan> buffers = plan_buffers(scene, bvh);
   buffers.push_back({"film", nullptr, film_bytes(scene.settings)});
   buffers.push_back({"moments", nullptr, moment_bytes(scene)});
+  buffers.push_back({"errors", nullptr, error_bytes(scene.settings)});
   std::size_t sum = 0;
   for (const BufferPlan& buffer : buffers) {
     if (buffer.bytes > 0) row("buffer") << buffer.name << ": " << format_bytes(buffer.bytes) << "\n";

@@ -1,0 +1,222 @@
+#include "checkpoint.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cerrno>
+#include <memory>
+#include <optional>
+
+#include "checkpoint_head.h"
+#include "error.h"
+#include "file_aside.h"
+#include "xxh3.h"
+
+namespace oclair {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The arrays are the bytes in memory. Whoever changes one of these raises FORMAT.
+static_assert(std::endian::native == std::endian::little);
+static_assert(sizeof(FilmPixel) == 64 && sizeof(FilmMoments) == 144 && sizeof(float) == 4);
+
+// The file: this line; a line of the head's size and checksum; the head; the arrays.
+const std::string FORMAT = "oclair checkpoint 1\n";
+constexpr std::size_t SIZE_DIGITS = 8, CHECKSUM_DIGITS = 32;
+const std::size_t PROLOGUE = FORMAT.size() + SIZE_DIGITS + 1 + CHECKSUM_DIGITS + 1;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& expected) {
+  throw Error(Exit::render_failed, path.string() + ": " + one_line(what) + ", expected " + one_line(expected));
+}
+
+// Every array of a film, in the order of the file; `visit` is told the name, the array, and whether a film may be without it.
+template <typename AnyFilm, typename Visit>
+void visit_arrays(AnyFilm& film, Visit visit) {
+  visit("pixels", film.pixels, false);
+  visit("moments", film.moments, true);
+}
+
+std::string prologue(const std::string& head) {
+  const std::string digits = std::to_string(head.size());
+  return FORMAT + std::string(SIZE_DIGITS - digits.size(), '0') + digits + " " + xxh3_digits(head.data(), head.size()) + "\n";
+}
+
+// A file that is read from its start to its end.
+class Input {
+ public:
+  explicit Input(const fs::path& path) : path_(path) {
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would wait for its writer
+    struct stat status {};
+    if (descriptor < 0) fail_to_read(errno);
+    file_.reset(fdopen(descriptor, "rb"));
+    if (!file_ || fstat(descriptor, &status) != 0) fail_to_read(errno);
+    if (!S_ISREG(status.st_mode)) fail(path, "is not a regular file", "a checkpoint");
+    rest_ = static_cast<std::uint64_t>(status.st_size);
+  }
+
+  std::uint64_t rest() const { return rest_; }  // bytes that follow
+
+  void read(void* bytes, std::size_t count) {
+    rest_ -= count;
+    if (count == 0 || std::fread(bytes, 1, count, file_.get()) == count) return;
+    if (std::ferror(file_.get())) fail_to_read(errno);
+    fail(path_, "has become shorter while it was read", "a whole checkpoint");
+  }
+
+  std::string text(std::size_t count) {
+    std::string result(count, '\0');
+    read(result.data(), count);
+    return result;
+  }
+
+ private:
+  [[noreturn]] void fail_to_read(int error) const {
+    fail(path_, "cannot be read: " + system_message(error), "a checkpoint");
+  }
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  fs::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t rest_ = 0;
+};
+
+std::optional<std::size_t> decimal(const std::string& digits) {
+  std::size_t number = 0;
+  for (const char digit : digits) {
+    if (digit < '0' || digit > '9') return std::nullopt;
+    number = 10 * number + static_cast<std::size_t>(digit - '0');
+  }
+  return number;
+}
+
+CheckpointHead read_head(const fs::path& path, Input& input) {
+  if (input.rest() < PROLOGUE) fail(path, "is not a checkpoint, or was cut short within its first lines", "a whole checkpoint");
+  const std::string lines = input.text(PROLOGUE);
+  if (!lines.starts_with(FORMAT)) {
+    const bool ours = lines.starts_with(FORMAT.substr(0, FORMAT.rfind(' ') + 1));
+    fail(path, ours ? "is a checkpoint of another version of the format" : "is not a checkpoint",
+         "its first line to be \"" + FORMAT.substr(0, FORMAT.size() - 1) + "\"");
+  }
+  const std::optional<std::size_t> size = decimal(lines.substr(FORMAT.size(), SIZE_DIGITS));
+  if (!size || *size > MAX_HEAD) fail(path, "says a wrong size of its head", "at most " + std::to_string(MAX_HEAD) + " bytes");
+  if (*size > input.rest()) fail(path, "was cut short within its head", "a whole checkpoint");
+  const std::string text = input.text(*size);
+  if (prologue(text) != lines) fail(path, "its head is damaged", "the checksum that was written with it");
+  try {
+    return parse_head(text);
+  } catch (const CheckpointHeadError& error) {
+    fail(path, std::string("its head ") + error.what(), "a head that oclair has written");
+  }
+}
+
+// What follows the head is as long as the head says, and each array as long as the film requires.
+void check_arrays(const fs::path& path, const CheckpointHead& head, std::uint64_t rest) {
+  std::uint64_t sum = 0;
+  for (const ArrayEntry& array : head.arrays) {
+    if (array.bytes > rest - sum)
+      fail(path, "was cut short within its array " + array.name, "all arrays that its head lists");
+    sum += array.bytes;
+  }
+  if (sum != rest) fail(path, "has " + std::to_string(rest - sum) + " bytes after its last array", "the end of the file");
+  const std::uint64_t pixels = std::uint64_t{head.checkpoint.film.width} * head.checkpoint.film.height;
+  std::size_t next = 0;
+  const auto check = [&](const std::string& name, std::size_t element, bool may_be_absent) {
+    if (next == head.arrays.size() || head.arrays[next].name != name) fail(path, "its head lacks the array " + name, name);
+    const std::uint64_t bytes = head.arrays[next++].bytes;
+    if (bytes != pixels * element && !(bytes == 0 && may_be_absent))
+      fail(path, "its array " + name + " has " + std::to_string(bytes) + " bytes", std::to_string(pixels * element));
+  };
+  visit_arrays(head.checkpoint.film, [&](const char* name, const auto& array, bool may_be_absent) {
+    check(name, sizeof array[0], may_be_absent);
+  });
+  for (const Layer& layer : head.checkpoint.layers) check(layer.name, sizeof layer.values[0], false);
+  if (next != head.arrays.size()) fail(path, "its head lists the unknown array " + head.arrays[next].name, "no other array");
+}
+
+template <typename T>
+void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, std::vector<T>& values) {
+  values.resize(entry.bytes / sizeof(T));
+  input.read(values.data(), entry.bytes);
+  if (xxh3_digits(values.data(), entry.bytes) != entry.checksum)
+    fail(path, "its array " + entry.name + " is damaged", "the checksum that its head says");
+}
+
+void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntry>& entries, Checkpoint& checkpoint) {
+  std::size_t next = 0;
+  visit_arrays(checkpoint.film, [&](const char*, auto& values, bool) { read_array(path, input, entries[next++], values); });
+  for (Layer& layer : checkpoint.layers) read_array(path, input, entries[next++], layer.values);
+  const std::uint64_t samples = checkpoint.film.samples;
+  for (const FilmPixel& pixel : checkpoint.film.pixels)
+    if (pixel.rejected > samples || pixel.hits > samples - pixel.rejected)
+      fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(samples));
+}
+
+bool is_sound(const Checkpoint& checkpoint) {
+  const Film& film = checkpoint.film;
+  const std::size_t pixels = std::size_t{film.width} * film.height;
+  return film.samples == count_samples(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
+         film.height == checkpoint.head.film.crop_height && film.pixels.size() == pixels &&
+         (film.moments.empty() || film.moments.size() == pixels) &&
+         std::all_of(checkpoint.layers.begin(), checkpoint.layers.end(),
+                     [&](const Layer& layer) { return layer.values.size() == pixels; });
+}
+
+}  // namespace
+
+void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
+  assert(is_sound(checkpoint));
+  struct Bytes {
+    const void* first;
+    std::size_t count;
+  };
+  std::vector<Bytes> arrays;
+  std::vector<ArrayEntry> entries;
+  const auto add = [&](const std::string& name, const auto& values) {
+    const std::size_t bytes = values.size() * sizeof values[0];
+    arrays.push_back({values.data(), bytes});
+    entries.push_back({name, bytes, xxh3_digits(values.data(), bytes)});
+  };
+  visit_arrays(checkpoint.film, [&](const char* name, const auto& values, bool) { add(name, values); });
+  for (const Layer& layer : checkpoint.layers) add(layer.name, layer.values);
+  const std::string head = head_text(checkpoint, entries);
+  if (head.size() > MAX_HEAD)
+    fail(path, "its head would have " + std::to_string(head.size()) + " bytes", "at most " + std::to_string(MAX_HEAD));
+  const std::string lines = prologue(head);
+  FileAside aside(path);
+  const auto put = [&](const void* bytes, std::size_t count) {
+    if (count > 0 && std::fwrite(bytes, 1, count, aside.file()) != count) aside.fail_to_write(errno);
+  };
+  put(lines.data(), lines.size());
+  put(head.data(), head.size());
+  for (const Bytes& array : arrays) put(array.first, array.count);
+  aside.commit();
+}
+
+Checkpoint read_checkpoint_head(const fs::path& path) {
+  Input input(path);
+  CheckpointHead head = read_head(path, input);
+  check_arrays(path, head, input.rest());
+  return std::move(head.checkpoint);
+}
+
+Checkpoint read_checkpoint(const fs::path& path) {
+  Input input(path);
+  CheckpointHead head = read_head(path, input);
+  const std::uint64_t bytes = input.rest();
+  check_arrays(path, head, bytes);
+  try {
+    read_arrays(path, input, head.arrays, head.checkpoint);
+  } catch (const std::bad_alloc&) {
+    fail(path, "there is not enough memory for its film", std::to_string(bytes) + " bytes");
+  }
+  return std::move(head.checkpoint);
+}
+
+}  // namespace oclair

@@ -1,0 +1,63 @@
+// Checkpoints: a film with what it takes to go on rendering it, to join it with others, and to write its image without the
+// scene. docs/decisions/checkpoint.md says how the file is made up and why.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "layers.h"
+#include "render.h"
+#include "sample_range.h"
+#include "world.h"
+
+namespace oclair {
+
+// Consecutive samples that make up one independent estimate of a pixel; a range begins at a multiple of it.
+inline constexpr std::uint64_t REPLICA_SAMPLES = 16;
+
+// Names and values of all on which the samples depend: two films with equal ones can be joined.
+using Identity = std::vector<std::pair<std::string, std::string>>;
+
+// What an image needs besides the film. The attributes are those of its header that do not depend on the samples.
+struct ImageHead {
+  WorldFilm film;
+  std::string moment_name;
+  std::vector<std::pair<std::string, std::string>> attributes;
+};
+
+struct Checkpoint {
+  Identity identity;
+  std::vector<SampleRange> ranges;  // ascending, disjoint, none touches the next; at most one ends within a replica
+  Film film;                        // of these samples; its size is the crop of head.film
+  ImageHead head;
+  std::vector<Layer> layers;        // do not depend on the samples; may be empty
+};
+
+// Replaces the file as a whole: see file_aside.h. Throws Error(Exit::render_failed).
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+
+// Throws Error(Exit::render_failed) for a file that is not exactly what write_checkpoint has written, and says which part of it.
+Checkpoint read_checkpoint(const std::filesystem::path& path);
+
+// The same without the arrays: the film has its size, exponent and number of samples, the layers their names.
+Checkpoint read_checkpoint_head(const std::filesystem::path& path);
+
+// Throws Error(Exit::render_failed) with the name, and each entry that differs with both values.
+void require_same(const Identity& expected, const Identity& found, const std::string& name);
+
+// Throws Error(Exit::render_failed) unless the checkpoints, named thus in messages, belong to one render, their samples are
+// disjoint, and at most one range ends within a replica: what two such parts have begun could not be told apart.
+// Looks at no array: heads will do.
+void require_mergeable(std::span<const Checkpoint> heads, std::span<const std::string> names);
+
+// Adds the samples of `part`, named thus in messages; what does not depend on the samples is that of the part with the first
+// sample. The sums are exact: any order of additions gives the same bits, those of one render of all samples. Throws as above.
+void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name);
+
+// Of at least one. They are named by their numbers, from 1 on.
+Checkpoint merge(std::vector<Checkpoint> parts);
+
+}  // namespace oclair

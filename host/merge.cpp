@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cassert>
+#include <optional>
+
+#include "checkpoint.h"
+#include "error.h"
+#include "limbs.h"
+
+namespace oclair {
+namespace {
+
+// What must agree for the arrays of two checkpoints to go together, in the terms of require_same.
+Identity with_film(const Checkpoint& checkpoint) {
+  const Film& film = checkpoint.film;
+  const WorldFilm& window = checkpoint.head.film;
+  Identity all = checkpoint.identity;
+  const auto size = [](uint x, uint y) { return std::to_string(x) + "x" + std::to_string(y); };
+  all.emplace_back("film size", size(window.width, window.height));
+  all.emplace_back("crop size", size(film.width, film.height));
+  all.emplace_back("crop offset", size(window.crop_x, window.crop_y));
+  all.emplace_back("film exponent", std::to_string(film.exponent));
+  return all;
+}
+
+std::optional<std::string> value_of(const Identity& identity, const std::string& name) {
+  for (const auto& [entry, value] : identity)
+    if (entry == name) return value;
+  return std::nullopt;
+}
+
+bool ends_within_replica(const SampleRange& range) { return range.end() % REPLICA_SAMPLES != 0; }
+
+struct NamedRange {
+  SampleRange range;
+  std::string name;
+};
+
+void require_disjoint(std::vector<NamedRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const NamedRange& a, const NamedRange& b) { return a.range.first < b.range.first; });
+  for (std::size_t i = 1; i < ranges.size(); ++i) {
+    const NamedRange &a = ranges[i - 1], &b = ranges[i];
+    if (b.range.first < a.range.end())
+      throw Error(Exit::render_failed, b.name + ": its samples " + to_string(b.range) + " overlap the samples " +
+                                           to_string(a.range) + " of " + a.name + ", expected disjoint ranges");
+  }
+}
+
+// A film keeps the sum of one replica that is under way, not of several.
+void require_one_end_within_a_replica(const std::vector<NamedRange>& ranges) {
+  const NamedRange* first = nullptr;
+  for (const NamedRange& named : ranges) {
+    if (!ends_within_replica(named.range)) continue;
+    if (first)
+      throw Error(Exit::render_failed, named.name + ": its samples " + to_string(named.range) + " and the samples " +
+                                           to_string(first->range) + " of " + first->name + " both end within a replica of " +
+                                           std::to_string(REPLICA_SAMPLES) +
+                                           ", expected one such part at most: go on with one of them to a multiple");
+    first = &named;
+  }
+}
+
+struct Part {
+  const Checkpoint& checkpoint;
+  std::string name;
+};
+
+void require_mergeable(const std::vector<Part>& parts) {
+  std::vector<NamedRange> ranges;
+  for (const Part& part : parts) {
+    require_same(with_film(parts[0].checkpoint), with_film(part.checkpoint), part.name);
+    for (const SampleRange& range : part.checkpoint.ranges) ranges.push_back({range, part.name});
+  }
+  require_disjoint(ranges);
+  require_one_end_within_a_replica(ranges);
+}
+
+}  // namespace
+
+void require_same(const Identity& expected, const Identity& found, const std::string& name) {
+  std::string differences;
+  const auto differs = [&](const std::string& entry, const std::string& is, const std::string& should) {
+    differences += (differences.empty() ? "" : "; ") + one_line(entry + " is " + is + ", expected " + should);
+  };
+  for (const auto& [entry, value] : expected) {
+    const std::optional<std::string> other = value_of(found, entry);
+    if (other != value) differs(entry, other.value_or("absent"), value);
+  }
+  for (const auto& [entry, value] : found)
+    if (!value_of(expected, entry)) differs(entry, value, "none");
+  if (!differences.empty()) throw Error(Exit::render_failed, name + ": is of another render: " + differences);
+}
+
+void require_mergeable(std::span<const Checkpoint> heads, std::span<const std::string> names) {
+  assert(heads.size() == names.size());
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < heads.size(); ++i) parts.push_back({heads[i], names[i]});
+  require_mergeable(parts);
+}
+
+void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
+  require_mergeable({{sum, "the film so far"}, {part, name}});
+  if (sum.film.moments.empty() != part.film.moments.empty())
+    throw Error(Exit::render_failed, name + ": only one of the films has second moments, expected both or neither");
+  if (part.ranges.front().first < sum.ranges.front().first) std::swap(sum, part);
+  Film& film = sum.film;
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) add(film.pixels[i].sum[c], part.film.pixels[i].sum[c]);
+    film.pixels[i].rejected += part.film.pixels[i].rejected;
+    film.pixels[i].hits += part.film.pixels[i].hits;
+  }
+  for (std::size_t i = 0; i < film.moments.size(); ++i)
+    for (int k = 0; k < 6; ++k) add(film.moments[i].product[k], part.film.moments[i].product[k]);
+  film.samples += part.film.samples;
+  sum.ranges.insert(sum.ranges.end(), part.ranges.begin(), part.ranges.end());
+  sum.ranges = joined(std::move(sum.ranges));
+}
+
+Checkpoint merge(std::vector<Checkpoint> parts) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < parts.size(); ++i) names.push_back("checkpoint " + std::to_string(i + 1));
+  require_mergeable(parts, names);
+  Checkpoint sum = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) add_samples(sum, std::move(parts[i]), names[i]);
+  return sum;
+}
+
+}  // namespace oclair

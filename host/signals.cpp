@@ -1,0 +1,62 @@
+#include "signals.h"
+
+#include <time.h>
+
+#include <atomic>
+
+namespace oclair {
+namespace {
+
+constexpr std::array<int, 3> caught = {SIGINT, SIGTERM, SIGUSR1};
+
+// All that a handler touches: it may run at any instruction of any thread.
+std::atomic<int> first_stop{0};
+std::atomic<long long> first_stop_time{0};  // 0: not yet noted
+std::atomic<bool> write_wanted{false};
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<long long>::is_always_lock_free &&
+              std::atomic<bool>::is_always_lock_free);
+
+long long nanoseconds() {
+  timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+}
+
+extern "C" void on_stop(int signal) {
+  const long long now = nanoseconds();
+  int none = 0;
+  if (first_stop.compare_exchange_strong(none, signal)) {
+    first_stop_time = now;
+  } else if (first_stop_time != 0 && now - first_stop_time > one_signal_nanoseconds) {
+    ::signal(signal, SIG_DFL);
+    raise(signal);  // blocked until this handler returns
+  }
+}
+
+extern "C" void on_write(int) { write_wanted = true; }
+
+}  // namespace
+
+SignalHandlers::SignalHandlers() {
+  first_stop = 0;
+  first_stop_time = 0;
+  write_wanted = false;
+  for (std::size_t i = 0; i < caught.size(); ++i) {
+    struct sigaction action {};
+    action.sa_handler = caught[i] == SIGUSR1 ? on_write : on_stop;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(caught[i], nullptr, &before_[i]);
+    if (caught[i] == SIGUSR1 || before_[i].sa_handler != SIG_IGN) sigaction(caught[i], &action, nullptr);
+  }
+}
+
+SignalHandlers::~SignalHandlers() {
+  for (std::size_t i = 0; i < caught.size(); ++i) sigaction(caught[i], &before_[i], nullptr);
+}
+
+bool stop_requested() { return first_stop != 0; }
+int stop_signal() { return first_stop; }
+bool take_write_request() { return write_wanted.exchange(false); }
+
+}  // namespace oclair

@@ -10,7 +10,6 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cassert>
@@ -29,49 +28,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& expected) {
   throw Error(Exit::render_failed, path.string() + ": " + what + ", expected " + expected);
 }
-
-std::string system_message(int error) { return std::generic_category().message(error); }
-
-// The file that is written until commit() gives it its name; without a commit it is removed.
-class FileAside {
- public:
-  explicit FileAside(const fs::path& path) : path_(path), target_(path) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
-      fail(path, fs::is_directory(status) ? "is a directory" : "is not a regular file", "the name of a file");
-    }
-    if (fs::is_symlink(path, ignored)) target_ = fs::weakly_canonical(path, ignored);  // a link stays a link
-    aside_ = target_;
-    aside_ += "." + std::to_string(getpid()) + ".part";
-    file_ = std::fopen(aside_.c_str(), "wb");
-    if (!file_) fail(path, "cannot be created: " + system_message(errno), "a directory that exists and can be written");
-  }
-  FileAside(const FileAside&) = delete;
-  FileAside& operator=(const FileAside&) = delete;
-  ~FileAside() {
-    if (file_) std::fclose(file_);
-    if (!committed_) std::remove(aside_.c_str());
-  }
-
-  std::FILE* file() const { return file_; }
-
-  void commit() {
-    if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail_to_write(errno);
-    if (std::fclose(std::exchange(file_, nullptr)) != 0) fail_to_write(errno);
-    if (std::rename(aside_.c_str(), target_.c_str()) != 0) fail_to_write(errno);
-    committed_ = true;
-  }
-
-  [[noreturn]] void fail_to_write(int error) const {
-    fail(path_, "cannot be written: " + system_message(error), "room for the whole image on a disk that can be written");
-  }
-
- private:
-  fs::path path_, target_, aside_;
-  std::FILE* file_ = nullptr;
-  bool committed_ = false;
-};
 
 // OpenEXR's output to a C stream. It remembers a failure, because Imf::OutputFile writes its last part in its destructor
 // and swallows what is thrown there.
@@ -167,8 +123,6 @@ void write_png(const fs::path& path, unsigned width, unsigned height, const std:
   }
   aside.commit();
 }
-
-void require_writable(const fs::path& path) { FileAside{path}; }
 
 double tone_mapped(double linear) {
   constexpr double knee = 0.8;

@@ -1,6 +1,5 @@
-// Image files: the render as OpenEXR, a picture of it as PNG. A file is written aside, in the directory of its target, then
-// renamed: whatever fails, no partial file stays behind and an older file of that name stays as it was. Failures are
-// Error(Exit::render_failed).
+// Image files: the render as OpenEXR, a picture of it as PNG. Whatever fails, no partial file stays behind and an older file of
+// that name stays as it was (file_aside.h). Failures are Error(Exit::render_failed).
 #pragma once
 
 #include <array>
@@ -12,6 +11,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "file_aside.h"
 
 namespace oclair {
 
@@ -38,9 +39,6 @@ void write_exr(const std::filesystem::path& path, const ImageWindow& window, con
 
 // 8-bit sRGB of red, green and blue in linear sRGB: srgb_encoded(tone_mapped(x)), rounded to nearest; NaN becomes black.
 void write_png(const std::filesystem::path& path, unsigned width, unsigned height, const std::array<PixelValues, 3>& rgb);
-
-// Throws if the file could not be written now; for a failure before a long render instead of after it.
-void require_writable(const std::filesystem::path& path);
 
 // [-inf, inf] to [0, 1]: x up to the knee at 0.8, then 0.8 + 0.2 (1 - exp(-(x - 0.8) / 0.2)), whose slope at the knee is 1.
 double tone_mapped(double linear);

@@ -37,6 +37,8 @@ glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel) {
   return mean;
 }
 
+std::optional<std::array<double, 3>> pixel_standard_error(const Film&, std::size_t) { return std::nullopt; }
+
 double pixel_alpha(const Film& film, std::size_t pixel) {
   const std::uint64_t n = accepted(film, pixel);
   return n > 0 ? static_cast<double>(film.pixels[pixel].hits) / static_cast<double>(n) : 0.0;

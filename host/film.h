@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "render.h"
 
@@ -14,6 +15,9 @@ std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel);
 
 // Mean of the products of the channels, red, green, blue by red, green, blue: the second moments. Only if the film has them.
 glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel);
+
+// Standard error of that mean, per channel, in the same units; nothing with fewer than two whole replicas.
+std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std::size_t pixel);
 
 // Share of the accepted samples that met something, in [0, 1].
 double pixel_alpha(const Film& film, std::size_t pixel);

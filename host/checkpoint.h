@@ -15,9 +15,6 @@
 
 namespace oclair {
 
-// Consecutive samples that make up one independent estimate of a pixel; a range begins at a multiple of it.
-inline constexpr std::uint64_t REPLICA_SAMPLES = 16;
-
 // Names and values of all on which the samples depend: two films with equal ones can be joined.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 

@@ -46,7 +46,7 @@ inline Checkpoint random_checkpoint(std::vector<SampleRange> ranges, std::uint64
   checkpoint.head.film = {5, 7, 2, 4, 3, 2, FilterKind::tent, 1.25, 0.3, true, PixelFormat::xyza};
   checkpoint.head.moment_name = "m";
   checkpoint.head.attributes = {{"software", "oclair"}};
-  checkpoint.layers = {{"albedo.R", {0.0f, 1.0f, -0.0f, 1e-45f, 3.4e38f, 0.5f}}};
+  checkpoint.layers = {{"albedo.R", {"R"}, std::vector{0.0f, 1.0f, -0.0f, 1e-45f, 3.4e38f, 0.5f}}};
   return checkpoint;
 }
 
@@ -68,7 +68,13 @@ inline void expect_same_layers(const std::vector<Layer>& a, const std::vector<La
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].name, b[i].name);
-    EXPECT_TRUE(same_bytes(a[i].values, b[i].values));
+    EXPECT_EQ(a[i].channels, b[i].channels);
+    ASSERT_EQ(a[i].values.index(), b[i].values.index());
+    std::visit(
+        [&](const auto& values) {
+          EXPECT_TRUE(same_bytes(values, std::get<std::remove_cvref_t<decltype(values)>>(b[i].values)));
+        },
+        a[i].values);
   }
 }
 

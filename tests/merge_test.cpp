@@ -133,7 +133,7 @@ TEST(merge_test, one_part_is_its_own_merge) {
 TEST(merge_test, what_does_not_depend_on_samples_is_that_of_the_first_sample) {
   Checkpoint a = random_checkpoint({{32, 16}}, 1), b = random_checkpoint({{0, 16}}, 2);
   b.head.attributes = {{"device", "another"}};
-  b.layers = {{"uv.U", std::vector<float>(6, 0.25f)}};
+  b.layers = {{"uv.U", {"U"}, std::vector<float>(6, 0.25f)}};
   for (const Checkpoint& sum : {merge({a, b}), merge({b, a})}) {
     expect_same_head(sum.head, b.head);
     expect_same_layers(sum.layers, b.layers);

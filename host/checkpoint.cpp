@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 // The arrays are the bytes in memory. Whoever changes one of these raises FORMAT.
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(FilmPixel) == 64 && sizeof(FilmMoments) == 144 && sizeof(float) == 4);
+static_assert(sizeof(FilmPixel) == 64 && sizeof(FilmMoments) == 144 && sizeof(FilmErrors) == 120);
 
 // The file: this line; a line of the head's size and checksum; the head; the arrays.
 const std::string FORMAT = "oclair checkpoint 1\n";
@@ -39,6 +39,7 @@ template <typename AnyFilm, typename Visit>
 void visit_arrays(AnyFilm& film, Visit visit) {
   visit("pixels", film.pixels, false);
   visit("moments", film.moments, true);
+  visit("errors", film.errors, false);
 }
 
 std::string prologue(const std::string& head) {
@@ -161,9 +162,9 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
 bool is_sound(const Checkpoint& checkpoint) {
   const Film& film = checkpoint.film;
   const std::size_t pixels = std::size_t{film.width} * film.height;
-  return film.samples == count_samples(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
+  return film.samples == count_samples(checkpoint.ranges) && film.replicas == count_replicas(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
          film.height == checkpoint.head.film.crop_height && film.pixels.size() == pixels &&
-         (film.moments.empty() || film.moments.size() == pixels) &&
+         film.errors.size() == pixels && (film.moments.empty() || film.moments.size() == pixels) &&
          std::all_of(checkpoint.layers.begin(), checkpoint.layers.end(),
                      [&](const Layer& layer) { return layer.values.size() == pixels; });
 }

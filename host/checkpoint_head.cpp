@@ -73,7 +73,6 @@ std::vector<std::pair<std::string, std::string>> text_pairs(const Json& json, co
 
 std::vector<SampleRange> ranges(const Json& json) {
   std::vector<SampleRange> result;
-  std::size_t within_replica = 0;
   for (const Json& pair : list(json, "ranges", 1, MAX_HEAD)) {
     list(pair, "ranges", 2, 2);
     const auto first = static_cast<std::uint64_t>(whole(pair[0], "first sample", 0, MAX_SAMPLES - 1));
@@ -81,10 +80,8 @@ std::vector<SampleRange> ranges(const Json& json) {
     if (first % REPLICA_SAMPLES != 0)
       throw CheckpointHeadError("has a range that begins within a replica of " + std::to_string(REPLICA_SAMPLES) + " samples");
     if (!result.empty() && result.back().end() >= first) throw CheckpointHeadError("has ranges that are not in order");
-    within_replica += (first + count) % REPLICA_SAMPLES != 0;
     result.push_back({first, count});
   }
-  if (within_replica > 1) throw CheckpointHeadError("has several ranges that end within a replica");
   return result;
 }
 
@@ -134,6 +131,7 @@ CheckpointHead head_of(const Json& json) {
   checkpoint.film.height = checkpoint.head.film.crop_height;
   checkpoint.film.exponent = static_cast<int>(whole(member(json, "exponent"), "exponent", -MAX_EXPONENT, MAX_EXPONENT));
   checkpoint.film.samples = count_samples(checkpoint.ranges);
+  checkpoint.film.replicas = count_replicas(checkpoint.ranges);
   for (const Json& name : list(member(json, "layers"), "layers", 0, MAX_HEAD))
     checkpoint.layers.push_back({text(name, "layers"), {}});
   for (const Json& entry : list(member(json, "arrays"), "arrays", 0, MAX_HEAD)) {

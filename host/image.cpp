@@ -6,7 +6,9 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfIntAttribute.h>
-#include <ImfOutputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <png.h>
@@ -19,6 +21,7 @@
 #include <system_error>
 
 #include "error.h"
+#include "parallel.h"
 
 namespace oclair {
 namespace {
@@ -29,7 +32,7 @@ namespace fs = std::filesystem;
   throw Error(Exit::render_failed, path.string() + ": " + what + ", expected " + expected);
 }
 
-// OpenEXR's output to a C stream. It remembers a failure, because Imf::OutputFile writes its last part in its destructor
+// OpenEXR's output to a C stream. It remembers a failure, because OpenEXR writes the last of a file in a destructor
 // and swallows what is thrown there.
 class ExrStream : public Imf::OStream {
  public:
@@ -54,20 +57,57 @@ class ExrStream : public Imf::OStream {
   int error_ = 0;
 };
 
-Imf::Header exr_header(const ImageWindow& window, const ImageChannels& channels, const ImageAttributes& attributes) {
+Imf::Header exr_header(const ImageWindow& window, const ImagePart& part) {
   const auto at = [](unsigned x, unsigned y) { return Imath::V2i(static_cast<int>(x), static_cast<int>(y)); };
   const Imath::Box2i display(at(0, 0), at(window.film_width - 1, window.film_height - 1));
   const Imath::Box2i data(at(window.crop_x, window.crop_y),
                           at(window.crop_x + window.crop_width - 1, window.crop_y + window.crop_height - 1));
   Imf::Header header(display, data, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
-  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709, which is sRGB
-  for (const auto& [name, values] : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709, which is sRGB; alike in all parts
+  const bool integers = std::holds_alternative<ValuesOfPixel<std::uint32_t>>(part.values);
+  for (const std::string& name : part.channels) header.channels().insert(name, Imf::Channel(integers ? Imf::UINT : Imf::FLOAT));
+  return header;
+}
+
+std::vector<Imf::Header> exr_headers(const ImageWindow& window, const std::vector<ImagePart>& parts,
+                                     const ImageAttributes& attributes) {
+  std::vector<Imf::Header> headers;
+  for (const ImagePart& part : parts) {
+    Imf::Header& header = headers.emplace_back(exr_header(window, part));
+    header.setType(Imf::SCANLINEIMAGE);
+    if (parts.size() > 1) header.setName(part.name);
+  }
   for (const auto& [name, value] : attributes) {
+    Imf::Header& header = headers.front();
     if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
     if (const auto* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
     if (const auto* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
   }
-  return header;
+  return headers;
+}
+
+template <class Value>
+void write_pixels(Imf::OutputPart& out, const std::vector<std::string>& channels, const ValuesOfPixel<Value>& values) {
+  static_assert(sizeof(Value) == 4);
+  constexpr int rows_at_once = 64;  // whole blocks of ZIP, which have 16
+  const Imath::Box2i window = out.header().dataWindow();
+  const std::size_t count = channels.size(), width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  std::vector<Value> buffer(count * width * rows_at_once);
+  for (int top = window.min.y; top <= window.max.y; top += rows_at_once) {
+    const std::size_t rows = static_cast<std::size_t>(std::min(rows_at_once, window.max.y - top + 1));
+    const std::size_t first = static_cast<std::size_t>(top - window.min.y) * width;
+    parallel_pieces(rows * width, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) values(first + i, {buffer.data() + i * count, count});
+    });
+    Imf::FrameBuffer pixels;
+    const std::size_t step = count * sizeof(Value);
+    for (std::size_t c = 0; c < count; ++c)
+      pixels.insert(channels[c], Imf::Slice::Make(std::is_same_v<Value, float> ? Imf::FLOAT : Imf::UINT, buffer.data() + c,
+                                                  Imath::V2i(window.min.x, top), static_cast<std::int64_t>(width),
+                                                  static_cast<std::int64_t>(rows), step, step * width));
+    out.setFrameBuffer(pixels);
+    out.writePixels(static_cast<int>(rows));
+  }
 }
 
 [[maybe_unused]] bool covers(const PixelValues& channel, std::size_t pixels) {
@@ -80,22 +120,20 @@ std::uint8_t srgb_byte(float linear) {
 
 }  // namespace
 
-void write_exr(const fs::path& path, const ImageWindow& window, const ImageChannels& channels,
+void write_exr(const fs::path& path, const ImageWindow& window, const std::vector<ImagePart>& parts,
                const ImageAttributes& attributes) {
-  const Imf::Header header = exr_header(window, channels, attributes);
-  Imf::FrameBuffer pixels;
-  for (const auto& [name, channel] : channels) {
-    assert(covers(channel, std::size_t{window.crop_width} * window.crop_height));
-    const std::size_t step = channel.stride * sizeof(float);
-    pixels.insert(name,
-                  Imf::Slice::Make(Imf::FLOAT, channel.values.data(), header.dataWindow(), step, step * window.crop_width));
-  }
+  assert(!parts.empty());
+  const std::vector<Imf::Header> headers = exr_headers(window, parts, attributes);
   FileAside aside(path);
   ExrStream stream(aside.file(), path.string());
   try {
-    Imf::OutputFile file(stream, header);
-    file.setFrameBuffer(pixels);
-    file.writePixels(static_cast<int>(window.crop_height));
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      Imf::OutputPart out(file, static_cast<int>(i));
+      std::visit([&](const auto& values) { write_pixels(out, parts[i].channels, values); }, parts[i].values);
+    }
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     if (stream.error() == 0) fail(path, std::string("cannot be written: ") + error.what(), "an image that OpenEXR accepts");
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -30,11 +31,22 @@ struct ImageWindow {
   unsigned crop_width, crop_height;
 };
 
-using ImageChannels = std::vector<std::pair<std::string, PixelValues>>;
+// Sets the values of all channels of a pixel; pixels count row by row over the crop window. Called by several threads at once.
+template <class Value>
+using ValuesOfPixel = std::function<void(std::size_t pixel, std::span<Value> values)>;
+
+// Channels that belong together. In the file floats are FLOAT and integers are UINT, both of 32 bits.
+struct ImagePart {
+  std::string name;                   // unlike those of the other parts
+  std::vector<std::string> channels;  // full names, "layer.channel" or a standard one; no two are alike
+  std::variant<ValuesOfPixel<float>, ValuesOfPixel<std::uint32_t>> values;  // in the order of the channels
+};
+
 using ImageAttributes = std::vector<std::pair<std::string, std::variant<std::string, int, float>>>;
 
-// 32-bit floats, scan lines, ZIP (lossless: infinities and NaNs too), with sRGB's primaries as chromaticities.
-void write_exr(const std::filesystem::path& path, const ImageWindow& window, const ImageChannels& channels,
+// Scan lines, ZIP (lossless: infinities and NaNs too), with sRGB's primaries as chromaticities; the attributes stand in the
+// first part. One part alone makes a file that is not multi-part. Takes memory for some rows at a time.
+void write_exr(const std::filesystem::path& path, const ImageWindow& window, const std::vector<ImagePart>& parts,
                const ImageAttributes& attributes = {});
 
 // 8-bit sRGB of red, green and blue in linear sRGB: srgb_encoded(tone_mapped(x)), rounded to nearest; NaN becomes black.

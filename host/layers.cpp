@@ -1,7 +1,8 @@
 #include "layers.h"
 
-#include <functional>
+#include <algorithm>
 #include <glm/gtc/matrix_access.hpp>
+#include <limits>
 
 #include "film.h"
 
@@ -13,46 +14,103 @@ const glm::dmat3 xyz_of_rgb = glm::transpose(glm::dmat3(0.412453, 0.357580, 0.18
                                                         0.212671, 0.715160, 0.072169,  //
                                                         0.019334, 0.119193, 0.950227));
 
-glm::dvec3 rgb(const Film& film, std::size_t pixel) {
-  const auto mean = pixel_mean(film, pixel);
-  return {mean[0], mean[1], mean[2]};
+struct ColourFormat {
+  bool luminance, xyz, alpha;
+};
+
+ColourFormat colour_format(PixelFormat format) {
+  return {format == PixelFormat::luminance || format == PixelFormat::luminance_alpha,
+          format == PixelFormat::xyz || format == PixelFormat::xyza,
+          format == PixelFormat::luminance_alpha || format == PixelFormat::rgba || format == PixelFormat::xyza};
 }
 
-Layer layer(const Film& film, const std::string& name, const std::function<double(std::size_t)>& value) {
-  Layer result{name, std::vector<float>(film.pixels.size())};
-  for (std::size_t i = 0; i < result.values.size(); ++i) result.values[i] = static_cast<float>(value(i));
-  return result;
+ImagePart colour_part(const Film& film, PixelFormat pixel_format, const std::string& moment_name) {
+  const ColourFormat format = colour_format(pixel_format);
+  ImagePart part;
+  part.name = format.luminance ? "y" : format.xyz ? "xyz" : "rgb";
+  if (format.luminance) part.channels = {"Y"};
+  else if (format.xyz) part.channels = {"X", "Y", "Z"};
+  else part.channels = {"R", "G", "B"};
+  if (format.alpha) {
+    part.name += "a";
+    part.channels.push_back("A");
+  }
+  const bool moments = !film.moments.empty();
+  if (moments)
+    for (const char* prefix : {"", "m2_"})
+      for (const char* axis : {".X", ".Y", ".Z"}) part.channels.push_back(prefix + moment_name + axis);
+  part.values = ValuesOfPixel<float>([&film, format, moments](std::size_t pixel, std::span<float> values) {
+    std::size_t channel = 0;
+    const auto add = [&](double value) { values[channel++] = static_cast<float>(value); };
+    const auto mean = pixel_mean(film, pixel);
+    const glm::dvec3 rgb(mean[0], mean[1], mean[2]), xyz = xyz_of_rgb * rgb;
+    if (format.luminance) add(xyz.y);
+    else
+      for (int c = 0; c < 3; ++c) add(format.xyz ? xyz[c] : rgb[c]);
+    if (format.alpha) add(pixel_alpha(film, pixel));
+    if (!moments) return;
+    for (int c = 0; c < 3; ++c) add(xyz[c]);
+    const glm::dmat3 products = pixel_mean_products(film, pixel);
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3 weights = glm::row(xyz_of_rgb, c);
+      add(glm::dot(weights, products * weights));
+    }
+  });
+  return part;
+}
+
+// Of red, green and blue, whatever the format of the colour: that of a combination of them would need their covariances.
+ImagePart error_part(const Film& film) {
+  return {"standardError",
+          {"standardError.R", "standardError.G", "standardError.B"},
+          ValuesOfPixel<float>([&film](std::size_t pixel, std::span<float> values) {
+            const auto error = pixel_standard_error(film, pixel);
+            for (std::size_t c = 0; c < 3; ++c)
+              values[c] = error ? static_cast<float>((*error)[c]) : std::numeric_limits<float>::infinity();
+          })};
+}
+
+// Samples that the pixel is the mean of. An exact integer as long as 32 bits hold it.
+ImagePart count_part(const Film& film) {
+  const auto count = [&film](std::size_t pixel) { return film.samples - film.pixels[pixel].rejected; };
+  ImagePart part{"sampleCount", {"sampleCount.Y"}, {}};
+  if (film.samples <= std::numeric_limits<std::uint32_t>::max())
+    part.values = ValuesOfPixel<std::uint32_t>(
+        [count](std::size_t pixel, std::span<std::uint32_t> values) { values[0] = static_cast<std::uint32_t>(count(pixel)); });
+  else
+    part.values =
+        ValuesOfPixel<float>([count](std::size_t pixel, std::span<float> values) { values[0] = static_cast<float>(count(pixel)); });
+  return part;
+}
+
+ImagePart layer_part(const Layer& layer) {
+  ImagePart part{layer.name, {}, {}};
+  for (const std::string& channel : layer.channels) part.channels.push_back(layer.name + "." + channel);
+  std::visit(
+      [&part](const auto& all) {
+        using Value = typename std::decay_t<decltype(all)>::value_type;
+        part.values = ValuesOfPixel<Value>([&all](std::size_t pixel, std::span<Value> values) {
+          std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(pixel * values.size()), values.size(), values.begin());
+        });
+      },
+      layer.values);
+  return part;
 }
 
 }  // namespace
 
-std::vector<Layer> layers_of(const Film& film, PixelFormat format, const std::string& moment_name) {
-  std::vector<Layer> layers;
-  const auto add = [&](const std::string& name, const std::function<double(std::size_t)>& value) {
-    layers.push_back(layer(film, name, value));
+std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std::string& moment_name,
+                                const std::vector<Layer>& layers) {
+  std::vector<ImagePart> parts = {colour_part(film, format, moment_name)};
+  const auto any_pixel = [&film](auto holds) {
+    for (std::size_t i = 0; i < film.pixels.size(); ++i)
+      if (holds(i)) return true;
+    return false;
   };
-  const char* const axes[] = {"X", "Y", "Z"};
-  const char* const colours[] = {"R", "G", "B"};
-  const auto xyz = [&](std::size_t pixel, int c) { return (xyz_of_rgb * rgb(film, pixel))[c]; };
-  const bool luminance = format == PixelFormat::luminance || format == PixelFormat::luminance_alpha;
-  const bool is_xyz = format == PixelFormat::xyz || format == PixelFormat::xyza;
-  for (int c = 0; c < 3; ++c) {
-    if (luminance && c != 1) continue;
-    if (luminance || is_xyz) add(axes[c], [&, c](std::size_t pixel) { return xyz(pixel, c); });
-    else add(colours[c], [&, c](std::size_t pixel) { return rgb(film, pixel)[c]; });
-  }
-  if (format == PixelFormat::luminance_alpha || format == PixelFormat::rgba || format == PixelFormat::xyza)
-    add("A", [&](std::size_t pixel) { return pixel_alpha(film, pixel); });
-  if (film.moments.empty()) return layers;
-  for (int c = 0; c < 3; ++c) add(moment_name + "." + axes[c], [&, c](std::size_t pixel) { return xyz(pixel, c); });
-  for (int c = 0; c < 3; ++c) {
-    const glm::dvec3 weights = glm::row(xyz_of_rgb, c);
-    add("m2_" + moment_name + "." + axes[c], [&, weights](std::size_t pixel) {
-      const glm::dmat3 products = pixel_mean_products(film, pixel);
-      return glm::dot(weights, products * weights);
-    });
-  }
-  return layers;
+  if (any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
+  if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; })) parts.push_back(count_part(film));
+  for (const Layer& layer : layers) parts.push_back(layer_part(layer));
+  return parts;
 }
 
 std::vector<float> rgb_of(const Film& film) {

@@ -37,6 +37,16 @@ std::string content(const fs::path& path) {
 
 void put(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
+// A part of float channels with these values.
+ImagePart planes(const std::string& name, const std::vector<std::pair<std::string, PixelValues>>& channels) {
+  ImagePart part{name, {}, {}};
+  for (const auto& channel : channels) part.channels.push_back(channel.first);
+  part.values = ValuesOfPixel<float>([channels](std::size_t pixel, std::span<float> values) {
+    for (std::size_t c = 0; c < channels.size(); ++c) values[c] = channels[c].second.values[pixel * channels[c].second.stride];
+  });
+  return part;
+}
+
 constexpr ImageWindow window_3_by_2 = {3, 2, 0, 0, 3, 2};
 
 // Values of which no two neighbours are alike, so that compression cannot make the file small.
@@ -49,7 +59,7 @@ std::vector<float> noise(std::size_t count) {
 
 void write_noise_exr(const fs::path& path) {
   const std::vector<float> values = noise(256 * 256);
-  write_exr(path, {256, 256, 0, 0, 256, 256}, {{"Y", {values}}});
+  write_exr(path, {256, 256, 0, 0, 256, 256}, {planes("", {{"Y", {values}}})});
 }
 
 void write_noise_png(const fs::path& path) {
@@ -106,28 +116,87 @@ TEST(image_file_test, exr_keeps_every_bit_of_every_float) {
   const TemporaryDirectory directory;
   const std::vector<float> values = {infinity, -infinity, not_a_number, 1e30f, 65520.0f, -0.0f};
   const std::vector<float> smallest = {1e-45f, 1e-38f, -1e-45f, 3.4e38f, 0.1f, 1.0f};
-  write_exr(directory / "a.exr", window_3_by_2, {{"Y", {values}}, {"Z", {smallest}}});
+  write_exr(directory / "a.exr", window_3_by_2, {planes("", {{"Y", {values}}, {"Z", {smallest}}})});
   const ExrFile file = read_exr(directory / "a.exr");
   EXPECT_TRUE(file.is_float);
   EXPECT_EQ(bits(file.channels.at("Y")), bits(values));
   EXPECT_EQ(bits(file.channels.at("Z")), bits(smallest));
 }
 
-TEST(image_file_test, exr_takes_components_of_interleaved_pixels) {
+TEST(image_file_test, exr_channels_keep_their_values_whatever_their_order) {
   const TemporaryDirectory directory;
   const std::vector<float> rgb = noise(3 * 6);
   const std::span<const float> all = rgb;
-  write_exr(directory / "a.exr", window_3_by_2, {{"R", {all, 3}}, {"G", {all.subspan(1), 3}}, {"B", {all.subspan(2), 3}}});
+  write_exr(directory / "a.exr", window_3_by_2,
+            {planes("", {{"R", {all, 3}}, {"G", {all.subspan(1), 3}}, {"B", {all.subspan(2), 3}}})});
   const ExrFile file = read_exr(directory / "a.exr");
   EXPECT_EQ(bits(file.channels.at("R")), bits(all, 3));
   EXPECT_EQ(bits(file.channels.at("G")), bits(all.subspan(1), 3));
   EXPECT_EQ(bits(file.channels.at("B")), bits(all.subspan(2), 3));
 }
 
+// Two blocks of rows and a bit, wide enough that several threads make the values.
+TEST(image_file_test, exr_parts_keep_their_order_their_types_and_every_bit) {
+  const TemporaryDirectory directory;
+  constexpr unsigned width = 301, height = 131;
+  std::vector<float> grey = noise(width * height);
+  grey[7] = not_a_number;
+  std::vector<std::uint32_t> numbers(2 * width * height);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = ~static_cast<std::uint32_t>(i * 2654435761u);
+  const ImagePart identities = {"ids", {"ids.b", "ids.a"}, ValuesOfPixel<std::uint32_t>([&](std::size_t pixel, auto values) {
+                                  values[0] = numbers[2 * pixel];
+                                  values[1] = numbers[2 * pixel + 1];
+                                })};
+  write_exr(directory / "a.exr", {640, 480, 100, 7, width, height},
+            {planes("grey", {{"Y", {grey}}}), identities, planes("depth", {{"depth.Z", {grey}}})}, {{"scene", "a.xml"}});
+  const std::vector<ExrPart> parts = read_exr_parts(directory / "a.exr");
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ((Names{parts[0].name, parts[1].name, parts[2].name}), (Names{"grey", "ids", "depth"}));
+  EXPECT_EQ(bits(parts[0].floats.at("Y")), bits(grey));
+  EXPECT_EQ(bits(parts[2].floats.at("depth.Z")), bits(grey));
+  for (std::size_t c : {0u, 1u}) {
+    const std::vector<std::uint32_t>& plane = parts[1].integers.at(c == 0 ? "ids.b" : "ids.a");
+    ASSERT_EQ(plane.size(), width * height);
+    for (std::size_t i = 0; i < plane.size(); ++i) ASSERT_EQ(plane[i], numbers[2 * i + c]) << i;
+  }
+  EXPECT_EQ(parts[0].floats.size() + parts[1].floats.size() + parts[2].floats.size(), 2u);
+  EXPECT_EQ(parts[0].integers.size() + parts[1].integers.size() + parts[2].integers.size(), 2u);
+  for (const ExrPart& part : parts) {
+    EXPECT_EQ(part.window.film_width, 640u);
+    EXPECT_EQ(part.window.crop_x, 100u);
+    EXPECT_EQ(part.window.crop_height, height);
+    EXPECT_EQ(part.attributes, part.name == "grey" ? 1u : 0u);
+  }
+}
+
+TEST(image_file_test, who_knows_nothing_of_parts_reads_the_first) {
+  const TemporaryDirectory directory;
+  const std::vector<float> values = noise(6), others = noise(12);
+  write_exr(directory / "a.exr", window_3_by_2,
+            {planes("grey", {{"Y", {values}}}), planes("other", {{"Y", {std::span(others).subspan(6)}}})}, {{"scene", "a.xml"}});
+  const ExrFile file = read_exr(directory / "a.exr");
+  EXPECT_EQ(file.channels.size(), 1u);
+  EXPECT_EQ(bits(file.channels.at("Y")), bits(values));
+  EXPECT_EQ(std::get<std::string>(file.attributes.at("scene")), "a.xml");
+  EXPECT_TRUE(file.has_srgb_chromaticities);
+}
+
+// Bit 12 of the version field, bytes 4 to 7 (OpenEXR File Layout): readers from before OpenEXR 2 refuse what they do not know.
+TEST(image_file_test, only_several_parts_make_a_multi_part_file) {
+  const TemporaryDirectory directory;
+  const std::vector<float> values = noise(6);
+  const auto is_multi_part = [&](const std::vector<ImagePart>& parts) {
+    write_exr(directory / "a.exr", window_3_by_2, parts);
+    return (content(directory / "a.exr").at(5) & 0x10) != 0;
+  };
+  EXPECT_FALSE(is_multi_part({planes("grey", {{"Y", {values}}})}));
+  EXPECT_TRUE(is_multi_part({planes("grey", {{"Y", {values}}}), planes("other", {{"Y", {values}}})}));
+}
+
 TEST(image_file_test, exr_places_a_crop_inside_the_film) {
   const TemporaryDirectory directory;
   const std::vector<float> values = noise(6);
-  write_exr(directory / "a.exr", {640, 480, 100, 7, 3, 2}, {{"Y", {values}}});
+  write_exr(directory / "a.exr", {640, 480, 100, 7, 3, 2}, {planes("", {{"Y", {values}}})});
   const ExrFile file = read_exr(directory / "a.exr");
   EXPECT_EQ(file.window.film_width, 640u);
   EXPECT_EQ(file.window.film_height, 480u);
@@ -141,7 +210,7 @@ TEST(image_file_test, exr_places_a_crop_inside_the_film) {
 TEST(image_file_test, exr_says_its_primaries_and_what_it_was_told) {
   const TemporaryDirectory directory;
   const std::vector<float> values(6);
-  write_exr(directory / "a.exr", window_3_by_2, {{"Y", {values}}}, {{"scene", "a.xml"}, {"passes", 7}, {"seconds", 0.1f}});
+  write_exr(directory / "a.exr", window_3_by_2, {planes("", {{"Y", {values}}})}, {{"scene", "a.xml"}, {"passes", 7}, {"seconds", 0.1f}});
   const ExrFile file = read_exr(directory / "a.exr");
   EXPECT_TRUE(file.has_srgb_chromaticities);
   EXPECT_EQ(std::get<std::string>(file.attributes.at("scene")), "a.xml");

@@ -100,10 +100,8 @@ ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, 
 void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
                   const ImageAttributes& attributes) {
   if (options.exr) {
-    const std::vector<Layer> layers = layers_of(film, f.pixel_format, moment_name);
-    ImageChannels channels;
-    for (const Layer& layer : layers) channels.push_back({layer.name, {layer.values}});
-    write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height}, channels, attributes);
+    write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height},
+              parts_of(film, f.pixel_format, moment_name, {}), attributes);
   }
   if (options.png) {
     const std::vector<float> rgb = rgb_of(film);

@@ -47,6 +47,7 @@ void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
   if (options.max_depth) world.integrator.max_depth = *options.max_depth;
+  world.keep_uvs = options.aovs.uv;
 }
 
 void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress& progress) {
@@ -98,10 +99,10 @@ ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, 
 }
 
 void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
-                  const ImageAttributes& attributes) {
+                  const std::vector<Layer>& layers, const ImageAttributes& attributes) {
   if (options.exr) {
     write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height},
-              parts_of(film, f.pixel_format, moment_name, {}), attributes);
+              parts_of(film, f.pixel_format, moment_name, layers), attributes);
   }
   if (options.png) {
     const std::vector<float> rgb = rgb_of(film);
@@ -138,10 +139,16 @@ Exit render(const RenderOptions& options) {
   Renderer renderer = start_render(device, scene, bvh);
   progress.begin("passes");
   render_passes(renderer, samples_per_pixel, progress);
+  std::vector<Layer> layers;
+  if (options.exr && options.aovs.any()) {
+    progress.begin("layers");
+    layers = render_aovs(renderer, scene, bvh, options.aovs);
+  }
   progress.begin("write");
   const Film film = read_film(renderer);
   const std::uint64_t rejected = rejected_samples(film);
-  write_images(options, window, moment_name, film, attributes_of(options, scene, device, samples_per_pixel, rejected));
+  write_images(options, window, moment_name, film, layers,
+               attributes_of(options, scene, device, samples_per_pixel, rejected));
   progress.end();  // ends its line first: on a terminal both streams are one
   for (const auto& written : {options.exr, options.png})
     if (written) std::cout << written->string() << "\n";
@@ -184,6 +191,10 @@ Command render_command(CLI::App& program) {
           "--kernels", [options](const std::string& given) { options->exact_kernel = exact_kernel("--kernels", given); },
           "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared")
       ->type_name("shared|exact");
+  line.add_option_function<std::string>(
+          "--aov", [options](const std::string& given) { options->aovs = aovs("--aov", given); },
+          "further layers of the EXR: albedo, normal, depth, uv, primitive")
+      ->type_name("NAME,...");
   add_device(line, options->device);
   return {&line, [&line, options, outputs] {
             outputs->png = line.count("--png") > 0;

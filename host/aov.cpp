@@ -1,40 +1,40 @@
 #include "aov.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
 
 namespace oclair {
 namespace {
 
-// A layer in the making: its values as they are stored.
-template <class Value>
-struct Plane {
-  bool wanted;
-  const char* name;
-  std::vector<std::string> channels;
-  std::vector<Value> values;
-
-  Plane(bool is_wanted, const char* layer, std::vector<std::string> names, std::size_t pixels)
-      : wanted(is_wanted), name(layer), channels(std::move(names)), values(is_wanted ? pixels * channels.size() : 0) {}
-
-  template <class... Values>
-  void set(std::size_t pixel, Values... all) {
+// Layers of the wanted AOVs, one for each channel, or none.
+class Channels {
+ public:
+  Channels(bool wanted, const std::string& name, const std::vector<std::string>& channels, std::size_t pixels) {
     if (!wanted) return;
-    const Value row[] = {static_cast<Value>(all)...};
-    std::copy(std::begin(row), std::end(row), values.begin() + static_cast<std::ptrdiff_t>(pixel * channels.size()));
+    for (const std::string& channel : channels) layers_.push_back({name + "." + channel, std::vector<float>(pixels)});
   }
 
-  void append_to(std::vector<Layer>& layers) {
-    if (wanted) layers.push_back({name, channels, std::move(values)});
+  void set(std::size_t pixel, std::initializer_list<double> values) {
+    for (std::size_t c = 0; c < layers_.size(); ++c) layers_[c].values[pixel] = static_cast<float>(values.begin()[c]);
   }
+  void set_integer(std::size_t pixel, std::uint32_t value) {
+    for (Layer& layer : layers_) layer.values[pixel] = std::bit_cast<float>(value);
+  }
+
+  void append_to(std::vector<Layer>& layers) { std::move(layers_.begin(), layers_.end(), std::back_inserter(layers)); }
+
+ private:
+  std::vector<Layer> layers_;
 };
 
-struct Planes {
-  Plane<float> albedo, normal, depth, uv;
-  Plane<std::uint32_t> primitive;
+struct AllChannels {
+  Channels albedo, normal, depth, uv, primitive;
 
-  Planes(const Aovs& wanted, std::size_t pixels)
+  AllChannels(const Aovs& wanted, std::size_t pixels)
       : albedo(wanted.albedo, "albedo", {"R", "G", "B"}, pixels),
         normal(wanted.normal, "normal", {"X", "Y", "Z"}, pixels),
         depth(wanted.depth, "depth", {"Z"}, pixels),
@@ -49,16 +49,16 @@ std::uint32_t primitive_id(uint primitive, const Scene& scene) {
   return 1 + (quadric ? static_cast<uint>(scene.triangle_shape.size()) + (primitive & ~QUADRIC_BIT) : primitive);
 }
 
-void store(const AovPixel& sum, const Scene& scene, Planes& planes) {
+void store(const AovPixel& sum, const Scene& scene, AllChannels& channels) {
   constexpr double all = AOV_SAMPLES;
-  const double hits = sum.hits;
-  const auto mean = [](double value, double count) { return count > 0.0 ? value / count : 0.0; };
-  planes.albedo.set(sum.pixel, sum.albedo.x / all, sum.albedo.y / all, sum.albedo.z / all);
-  planes.normal.set(sum.pixel, sum.normal.x / all, sum.normal.y / all, sum.normal.z / all);
-  planes.depth.set(sum.pixel, sum.hits > 0 ? std::ldexp(sum.depth / hits + scene.camera_depth, scene.frame.exponent)
-                                           : std::numeric_limits<double>::infinity());
-  planes.uv.set(sum.pixel, mean(sum.u, hits), mean(sum.v, hits));
-  planes.primitive.set(sum.pixel, primitive_id(sum.primitive, scene));
+  const double hits = std::max(sum.hits, 1u);  // of none all sums are 0
+  const double depth = sum.hits > 0 ? std::ldexp(sum.depth / hits + scene.camera_depth, scene.frame.exponent)
+                                    : std::numeric_limits<double>::infinity();
+  channels.albedo.set(sum.pixel, {sum.albedo.x / all, sum.albedo.y / all, sum.albedo.z / all});
+  channels.normal.set(sum.pixel, {sum.normal.x / all, sum.normal.y / all, sum.normal.z / all});
+  channels.depth.set(sum.pixel, {depth});
+  channels.uv.set(sum.pixel, {sum.u / hits, sum.v / hits});
+  channels.primitive.set_integer(sum.pixel, primitive_id(sum.primitive, scene));
 }
 
 KernelOptions aov_options(const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
@@ -71,7 +71,7 @@ KernelOptions aov_options(const Scene& scene, const Bvh& bvh, const Aovs& wanted
 
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
   const Device& device = *renderer.device;
-  Planes planes(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);
+  AllChannels channels(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);
   try {
     cl::Kernel kernel(build_program(device, kernel_directory() / "aov.cl", aov_options(scene, bvh, wanted)), "aov");
     const std::size_t count = padded_pixels(renderer.settings);
@@ -85,14 +85,13 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
       device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
       device.queue.enqueueReadBuffer(buffer, CL_TRUE, 0, items * sizeof(AovPixel), pixels.data());
       for (std::size_t i = 0; i < items; ++i)
-        if (pixels[i].pixel != NONE) store(pixels[i], scene, planes);
+        if (pixels[i].pixel != NONE) store(pixels[i], scene, channels);
     }
   } catch (const cl::Error& error) {
     throw device_error(device, error);
   }
   std::vector<Layer> layers;
-  for (Plane<float>* plane : {&planes.albedo, &planes.normal, &planes.depth, &planes.uv}) plane->append_to(layers);
-  planes.primitive.append_to(layers);
+  for (Channels* aov : {&channels.albedo, &channels.normal, &channels.depth, &channels.uv, &channels.primitive}) aov->append_to(layers);
   return layers;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "../film.h"
+#include "../header.h"
 #include "../image.h"
 #include "../layers.h"
 #include "../progress.h"
@@ -64,40 +65,6 @@ void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress
   }
 }
 
-std::string feature_names(Features features) {
-  std::string names;
-#define FEATURE_NAME(name, bit, variant, description) \
-  if (features & FEATURE_##name) names += (names.empty() ? "" : " ") + std::string(#name);
-  FEATURE_LIST(FEATURE_NAME)
-#undef FEATURE_NAME
-  return names;
-}
-
-// What was asked for at the price of accuracy, on the command line or by the scene's materials.
-std::string approximation_names(const Scene& scene) {
-  std::string names;
-  const auto add = [&](const char* name) { names += (names.empty() ? "" : " ") + std::string(name); };
-#define APPROXIMATION_NAME(name, bit, description) \
-  if (scene.approximations & APPROXIMATION_##name) add(description);
-  APPROXIMATION_LIST(APPROXIMATION_NAME)
-#undef APPROXIMATION_NAME
-  if (scene.features & FEATURE_OREN_NAYAR_FAST) add("oren_nayar=qualitative");
-  return names.empty() ? "none" : names;
-}
-
-// What made the image; nothing that differs between two equal runs.
-ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, const Device& device, std::uint64_t samples,
-                              std::uint64_t rejected) {
-  return {{"software", "oclair " OCLAIR_VERSION},
-          {"scene", options.scene.filename().string()},
-          {"samplesPerPixel", std::to_string(samples)},
-          {"seed", std::to_string(scene.settings.seed)},
-          {"features", feature_names(scene.features)},
-          {"approximations", approximation_names(scene)},
-          {"device", device.name + " (" + device.platform + ")"},
-          {"rejectedSamples", std::to_string(rejected)}};
-}
-
 void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
                   const std::vector<Layer>& layers, const ImageAttributes& attributes) {
   if (options.exr) {
@@ -114,6 +81,7 @@ void write_images(const RenderOptions& options, const WorldFilm& f, const std::s
 }  // namespace
 
 Exit render(const RenderOptions& options) {
+  const std::optional<std::int64_t> date = reproducible_date();
   if (options.exr) require_writable(*options.exr);
   if (options.png) require_writable(*options.png);
   const Device device = open_device(options.device);
@@ -147,8 +115,12 @@ Exit render(const RenderOptions& options) {
   progress.begin("write");
   const Film film = read_film(renderer);
   const std::uint64_t rejected = rejected_samples(film);
+  const Origin origin{options.scene.filename().string(), "", command_line(), ""};
+  Figures figures;
+  figures.ranges = {{0, samples_per_pixel}};
+  figures.rejected = rejected;
   write_images(options, window, moment_name, film, layers,
-               attributes_of(options, scene, device, samples_per_pixel, rejected));
+               header_attributes(header_texts(origin, scene, device), figures, date));
   progress.end();  // ends its line first: on a terminal both streams are one
   for (const auto& written : {options.exr, options.png})
     if (written) std::cout << written->string() << "\n";

@@ -45,4 +45,13 @@ INLINE float3 bsdf_eval(const Material *material, float3 wo, float3 wi) {
 // Solid-angle density of bsdf_sample; 0 for a delta.
 INLINE float bsdf_pdf(const Material *material, float3 wi) { return bsdf_is_delta(material) ? 0.0f : diffuse_pdf(wi); }
 
+// The material as one colour, whatever the directions: the reflectance of a diffuse kind or of a mirror; of the kinds with Fresnel
+// terms what they send on at normal incidence, in all.
+INLINE float3 bsdf_albedo(const Material *material) {
+  if (HAS(CONDUCTOR) && material->kind == MATERIAL_CONDUCTOR) return conductor_albedo(material);
+  if (HAS(DIELECTRIC) && material->kind == MATERIAL_DIELECTRIC) return dielectric_albedo(material);
+  if (HAS(THIN_DIELECTRIC) && material->kind == MATERIAL_THIN_DIELECTRIC) return thin_dielectric_albedo(material);
+  return unpack3(material->reflectance);
+}
+
 #endif

@@ -32,4 +32,10 @@ INLINE Scatter dielectric_sample(const Material *material, float3 wo, bool front
   return s;
 }
 
+// What it reflects and lets through at normal incidence, in all: the same from both sides.
+INLINE float3 dielectric_albedo(const Material *material) {
+  float reflectance = fresnel_dielectric_exact(1.0f, interface_from_eta(material->eta, true)).reflectance;
+  return mix(unpack3(material->transmittance), unpack3(material->reflectance), reflectance);
+}
+
 #endif

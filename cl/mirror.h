@@ -18,4 +18,11 @@ INLINE Scatter conductor_sample(const Material *material, float3 wo) {
   return s;
 }
 
+// What it reflects at normal incidence.
+INLINE float3 conductor_albedo(const Material *material) {
+  float3 eta = unpack3(material->conductor_eta), k = unpack3(material->conductor_k);
+  return unpack3(material->reflectance) * (float3)(fresnel_conductor_normal(eta.x, k.x), fresnel_conductor_normal(eta.y, k.y),
+                                                   fresnel_conductor_normal(eta.z, k.z));
+}
+
 #endif

@@ -237,6 +237,19 @@ typedef struct FilmErrors {
 // Where the product of channels a and b stands: rr, gg, bb, rg, rb, gb.
 #define MOMENT_INDEX(a, b) ((a) == (b) ? (a) : (a) + (b) + 2)
 
+#define AOV_SAMPLES REPLICA_SAMPLES  // of each pixel, its first replica, are what AovPixel describes: it depends on nothing else
+
+// What the first surfaces of a pixel's camera rays are: sums over those samples that met one. See aov.h.
+typedef struct AovPixel {
+  packed_float3 albedo;
+  uint hits;               // samples that met a surface
+  packed_float3 normal;    // shading normals, unit, on the side of the camera
+  uint primitive;          // Hit::primitive of the ray through the pixel's centre
+  float u, v;              // texture coordinates
+  float depth;             // of the hit points from Camera::origin along its axis
+  uint pixel;              // in the crop window, row by row, or NONE: a work item without a pixel
+} AovPixel;
+
 // Where a path stands between two stages.
 typedef struct PathState {
   Ray ray;

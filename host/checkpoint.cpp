@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 // The arrays are the bytes in memory. Whoever changes one of these raises FORMAT.
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(FilmPixel) == 64 && sizeof(FilmMoments) == 144);
+static_assert(sizeof(FilmPixel) == 64 && sizeof(FilmMoments) == 144 && sizeof(FilmErrors) == 120);
 
 // The file: this line; a line of the head's size and checksum; the head; the arrays.
 const std::string FORMAT = "oclair checkpoint 1\n";
@@ -39,6 +39,7 @@ template <typename AnyFilm, typename Visit>
 void visit_arrays(AnyFilm& film, Visit visit) {
   visit("pixels", film.pixels, false);
   visit("moments", film.moments, true);
+  visit("errors", film.errors, false);
 }
 
 std::string prologue(const std::string& head) {
@@ -136,7 +137,7 @@ void check_arrays(const fs::path& path, const CheckpointHead& head, std::uint64_
   visit_arrays(head.checkpoint.film, [&](const char* name, const auto& array, bool may_be_absent) {
     check(name, sizeof array[0], may_be_absent);
   });
-  for (const Layer& layer : head.checkpoint.layers) check(layer.name, 4 * layer.channels.size(), false);
+  for (const Layer& layer : head.checkpoint.layers) check(layer.name, sizeof layer.values[0], false);
   if (next != head.arrays.size()) fail(path, "its head lists the unknown array " + head.arrays[next].name, "no other array");
 }
 
@@ -151,25 +152,21 @@ void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, std
 void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntry>& entries, Checkpoint& checkpoint) {
   std::size_t next = 0;
   visit_arrays(checkpoint.film, [&](const char*, auto& values, bool) { read_array(path, input, entries[next++], values); });
-  for (Layer& layer : checkpoint.layers)
-    std::visit([&](auto& values) { read_array(path, input, entries[next++], values); }, layer.values);
+  for (Layer& layer : checkpoint.layers) read_array(path, input, entries[next++], layer.values);
   const std::uint64_t samples = checkpoint.film.samples;
   for (const FilmPixel& pixel : checkpoint.film.pixels)
     if (pixel.rejected > samples || pixel.hits > samples - pixel.rejected)
       fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(samples));
 }
 
-[[maybe_unused]] bool is_sound(const Checkpoint& checkpoint) {
+bool is_sound(const Checkpoint& checkpoint) {
   const Film& film = checkpoint.film;
   const std::size_t pixels = std::size_t{film.width} * film.height;
-  return film.samples == count_samples(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
+  return film.samples == count_samples(checkpoint.ranges) && film.replicas == count_replicas(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
          film.height == checkpoint.head.film.crop_height && film.pixels.size() == pixels &&
-         (film.moments.empty() || film.moments.size() == pixels) &&
+         film.errors.size() == pixels && (film.moments.empty() || film.moments.size() == pixels) &&
          std::all_of(checkpoint.layers.begin(), checkpoint.layers.end(),
-                     [&](const Layer& layer) {
-                       const auto size = std::visit([](const auto& values) { return values.size(); }, layer.values);
-                       return size == pixels * layer.channels.size();
-                     });
+                     [&](const Layer& layer) { return layer.values.size() == pixels; });
 }
 
 }  // namespace
@@ -188,7 +185,7 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
     entries.push_back({name, bytes, xxh3_digits(values.data(), bytes)});
   };
   visit_arrays(checkpoint.film, [&](const char* name, const auto& values, bool) { add(name, values); });
-  for (const Layer& layer : checkpoint.layers) std::visit([&](const auto& values) { add(layer.name, values); }, layer.values);
+  for (const Layer& layer : checkpoint.layers) add(layer.name, layer.values);
   const std::string head = head_text(checkpoint, entries);
   if (head.size() > MAX_HEAD)
     fail(path, "its head would have " + std::to_string(head.size()) + " bytes", "at most " + std::to_string(MAX_HEAD));

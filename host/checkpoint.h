@@ -27,7 +27,7 @@ struct ImageHead {
 
 struct Checkpoint {
   Identity identity;
-  std::vector<SampleRange> ranges;  // ascending, disjoint, none touches the next; at most one ends within a replica
+  std::vector<SampleRange> ranges;  // ascending, disjoint, none touches the next; each begins with a replica
   Film film;                        // of these samples; its size is the crop of head.film
   ImageHead head;
   std::vector<Layer> layers;        // do not depend on the samples; may be empty
@@ -45,9 +45,8 @@ Checkpoint read_checkpoint_head(const std::filesystem::path& path);
 // Throws Error(Exit::render_failed) with the name, and each entry that differs with both values.
 void require_same(const Identity& expected, const Identity& found, const std::string& name);
 
-// Throws Error(Exit::render_failed) unless the checkpoints, named thus in messages, belong to one render, their samples are
-// disjoint, and at most one range ends within a replica: what two such parts have begun could not be told apart.
-// Looks at no array: heads will do.
+// Throws Error(Exit::render_failed) unless the checkpoints, named thus in messages, belong to one render and their samples are
+// disjoint. Looks at no array: heads will do.
 void require_mergeable(std::span<const Checkpoint> heads, std::span<const std::string> names);
 
 // Adds the samples of `part`, named thus in messages; what does not depend on the samples is that of the part with the first

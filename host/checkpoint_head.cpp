@@ -10,7 +10,7 @@ using Json = nlohmann::json;
 constexpr uint MAX_SIDE = 65536;      // pixels, as --size takes them
 constexpr int MAX_EXPONENT = 4096;    // far beyond what float radiances lead to
 constexpr double MAX_RADIUS = 1e6;    // pixels
-constexpr int MAX_NESTING = 5;
+constexpr int MAX_NESTING = 4;
 
 // JSON holds only UTF-8. A string of other bytes becomes an array of their numbers.
 Json json_of(const std::string& text) {
@@ -73,7 +73,6 @@ std::vector<std::pair<std::string, std::string>> text_pairs(const Json& json, co
 
 std::vector<SampleRange> ranges(const Json& json) {
   std::vector<SampleRange> result;
-  std::size_t within_replica = 0;
   for (const Json& pair : list(json, "ranges", 1, MAX_HEAD)) {
     list(pair, "ranges", 2, 2);
     const auto first = static_cast<std::uint64_t>(whole(pair[0], "first sample", 0, MAX_SAMPLES - 1));
@@ -81,10 +80,8 @@ std::vector<SampleRange> ranges(const Json& json) {
     if (first % REPLICA_SAMPLES != 0)
       throw CheckpointHeadError("has a range that begins within a replica of " + std::to_string(REPLICA_SAMPLES) + " samples");
     if (!result.empty() && result.back().end() >= first) throw CheckpointHeadError("has ranges that are not in order");
-    within_replica += (first + count) % REPLICA_SAMPLES != 0;
     result.push_back({first, count});
   }
-  if (within_replica > 1) throw CheckpointHeadError("has several ranges that end within a replica");
   return result;
 }
 
@@ -117,23 +114,6 @@ WorldFilm world_film(const Json& json) {
   return film;
 }
 
-Json json_of(const Layer& layer) {
-  Json channels = Json::array();
-  for (const std::string& channel : layer.channels) channels.push_back(json_of(channel));
-  const bool real = std::holds_alternative<std::vector<float>>(layer.values);
-  return {{"name", json_of(layer.name)}, {"type", real ? "float" : "uint"}, {"channels", channels}};
-}
-
-Layer layer_of(const Json& json) {
-  Layer layer;
-  layer.name = text(member(json, "name"), "name of a layer");
-  for (const Json& channel : list(member(json, "channels"), "channels", 1, 64)) layer.channels.push_back(text(channel, "channels"));
-  const std::string type = text(member(json, "type"), "type of a layer");
-  if (type != "float" && type != "uint") throw CheckpointHeadError("has a layer of the unknown type \"" + type + "\"");
-  if (type == "uint") layer.values = std::vector<std::uint32_t>();
-  return layer;
-}
-
 bool refuse_nesting(int depth, Json::parse_event_t, Json&) {
   if (depth > MAX_NESTING) throw CheckpointHeadError("is nested too deeply");
   return true;
@@ -151,7 +131,9 @@ CheckpointHead head_of(const Json& json) {
   checkpoint.film.height = checkpoint.head.film.crop_height;
   checkpoint.film.exponent = static_cast<int>(whole(member(json, "exponent"), "exponent", -MAX_EXPONENT, MAX_EXPONENT));
   checkpoint.film.samples = count_samples(checkpoint.ranges);
-  for (const Json& entry : list(member(json, "layers"), "layers", 0, MAX_HEAD)) checkpoint.layers.push_back(layer_of(entry));
+  checkpoint.film.replicas = count_replicas(checkpoint.ranges);
+  for (const Json& name : list(member(json, "layers"), "layers", 0, MAX_HEAD))
+    checkpoint.layers.push_back({text(name, "layers"), {}});
   for (const Json& entry : list(member(json, "arrays"), "arrays", 0, MAX_HEAD)) {
     list(entry, "arrays", 3, 3);
     const auto bytes = whole(entry[1], "size of an array", 0, std::numeric_limits<std::int64_t>::max());
@@ -172,7 +154,7 @@ std::string head_text(const Checkpoint& checkpoint, const std::vector<ArrayEntry
   json["moment name"] = json_of(checkpoint.head.moment_name);
   json["attributes"] = json_of(checkpoint.head.attributes);
   json["layers"] = Json::array();
-  for (const Layer& layer : checkpoint.layers) json["layers"].push_back(json_of(layer));
+  for (const Layer& layer : checkpoint.layers) json["layers"].push_back(json_of(layer.name));
   json["arrays"] = Json::array();
   for (const ArrayEntry& array : arrays) json["arrays"].push_back(Json::array({array.name, array.bytes, array.checksum}));
   return json.dump() + "\n";

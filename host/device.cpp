@@ -6,7 +6,6 @@
 #include <sstream>
 #include <system_error>
 
-#include "error.h"
 
 namespace oclair {
 namespace {
@@ -121,6 +120,10 @@ Device open_device(const std::string& selector) {
     throw Error(Exit::device, describe(device) + ": cannot be opened: " + error.what() + " returned " +
                                   std::to_string(error.err()) + "; expected a working OpenCL driver");
   }
+}
+
+Error device_error(const Device& device, const cl::Error& error) {
+  return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
 }
 
 std::filesystem::path kernel_directory() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../cl/features.h"
+#include "error.h"
 
 namespace oclair {
 
@@ -41,6 +42,9 @@ struct KernelOptions {
 // Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is
 // ever given. Throws Error(Exit::device) with the compiler's first message.
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options);
+
+// "NAME: clFunction returned -5", as Exit::device.
+Error device_error(const Device& device, const cl::Error& error);
 
 // Where the .cl files are: share/oclair/cl beside the installed program, or else the source tree it was built from.
 std::filesystem::path kernel_directory();

@@ -1,6 +1,6 @@
 #include "layers.h"
 
-#include <algorithm>
+#include <bit>
 #include <glm/gtc/matrix_access.hpp>
 #include <limits>
 
@@ -83,21 +83,26 @@ ImagePart count_part(const Film& film) {
   return part;
 }
 
-ImagePart layer_part(const Layer& layer) {
-  ImagePart part{layer.name, {}, {}};
-  for (const std::string& channel : layer.channels) part.channels.push_back(layer.name + "." + channel);
-  std::visit(
-      [&part](const auto& all) {
-        using Value = typename std::decay_t<decltype(all)>::value_type;
-        part.values = ValuesOfPixel<Value>([&all](std::size_t pixel, std::span<Value> values) {
-          std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(pixel * values.size()), values.size(), values.begin());
-        });
-      },
-      layer.values);
+std::string part_name(const Layer& layer) { return layer.name.substr(0, layer.name.rfind('.')); }
+
+// Of layers whose names begin alike.
+ImagePart layer_part(std::span<const Layer> layers) {
+  ImagePart part{part_name(layers.front()), {}, {}};
+  for (const Layer& layer : layers) part.channels.push_back(layer.name);
+  if (holds_integers(layers.front()))
+    part.values = ValuesOfPixel<std::uint32_t>([layers](std::size_t pixel, std::span<std::uint32_t> values) {
+      for (std::size_t c = 0; c < layers.size(); ++c) values[c] = std::bit_cast<std::uint32_t>(layers[c].values[pixel]);
+    });
+  else
+    part.values = ValuesOfPixel<float>([layers](std::size_t pixel, std::span<float> values) {
+      for (std::size_t c = 0; c < layers.size(); ++c) values[c] = layers[c].values[pixel];
+    });
   return part;
 }
 
 }  // namespace
+
+bool holds_integers(const Layer& layer) { return layer.name.ends_with(".id"); }
 
 std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std::string& moment_name,
                                 const std::vector<Layer>& layers) {
@@ -109,7 +114,10 @@ std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std:
   };
   if (any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
   if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; })) parts.push_back(count_part(film));
-  for (const Layer& layer : layers) parts.push_back(layer_part(layer));
+  for (std::size_t first = 0, end; first < layers.size(); first = end) {
+    for (end = first + 1; end < layers.size() && part_name(layers[end]) == part_name(layers[first]);) ++end;
+    parts.push_back(layer_part({layers.data() + first, end - first}));
+  }
   return parts;
 }
 

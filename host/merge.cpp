@@ -28,8 +28,6 @@ std::optional<std::string> value_of(const Identity& identity, const std::string&
   return std::nullopt;
 }
 
-bool ends_within_replica(const SampleRange& range) { return range.end() % REPLICA_SAMPLES != 0; }
-
 struct NamedRange {
   SampleRange range;
   std::string name;
@@ -45,20 +43,6 @@ void require_disjoint(std::vector<NamedRange> ranges) {
   }
 }
 
-// A film keeps the sum of one replica that is under way, not of several.
-void require_one_end_within_a_replica(const std::vector<NamedRange>& ranges) {
-  const NamedRange* first = nullptr;
-  for (const NamedRange& named : ranges) {
-    if (!ends_within_replica(named.range)) continue;
-    if (first)
-      throw Error(Exit::render_failed, named.name + ": its samples " + to_string(named.range) + " and the samples " +
-                                           to_string(first->range) + " of " + first->name + " both end within a replica of " +
-                                           std::to_string(REPLICA_SAMPLES) +
-                                           ", expected one such part at most: go on with one of them to a multiple");
-    first = &named;
-  }
-}
-
 struct Part {
   const Checkpoint& checkpoint;
   std::string name;
@@ -71,7 +55,6 @@ void require_mergeable(const std::vector<Part>& parts) {
     for (const SampleRange& range : part.checkpoint.ranges) ranges.push_back({range, part.name});
   }
   require_disjoint(ranges);
-  require_one_end_within_a_replica(ranges);
 }
 
 }  // namespace
@@ -110,7 +93,13 @@ void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
   }
   for (std::size_t i = 0; i < film.moments.size(); ++i)
     for (int k = 0; k < 6; ++k) add(film.moments[i].product[k], part.film.moments[i].product[k]);
+  for (std::size_t i = 0; i < film.errors.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      add(film.errors[i].sum[c], part.film.errors[i].sum[c]);
+      add(film.errors[i].square[c], part.film.errors[i].square[c]);
+    }
   film.samples += part.film.samples;
+  film.replicas += part.film.replicas;
   sum.ranges.insert(sum.ranges.end(), part.ranges.begin(), part.ranges.end());
   sum.ranges = joined(std::move(sum.ranges));
 }

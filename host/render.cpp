@@ -8,10 +8,6 @@
 namespace oclair {
 namespace {
 
-Error device_error(const Device& device, const cl::Error& error) {
-  return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
-}
-
 std::string description(uint width, uint height, int exponent, bool moments) {
   return std::to_string(width) + "x" + std::to_string(height) + " pixels " + (moments ? "with" : "without") + " moments in units of 2^" +
          std::to_string(exponent - FILM_FRACTION_BITS);

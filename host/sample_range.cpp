@@ -22,4 +22,10 @@ std::uint64_t count_samples(const std::vector<SampleRange>& disjoint) {
   return sum;
 }
 
+std::uint64_t count_replicas(const std::vector<SampleRange>& disjoint) {
+  std::uint64_t sum = 0;
+  for (const SampleRange& range : disjoint) sum += range.count / REPLICA_SAMPLES;
+  return sum;
+}
+
 }  // namespace oclair

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "../cl/types.h"
+
 namespace oclair {
 
 // Numbers of samples end here: that is what rng_key and the film's sums can take.
@@ -27,5 +29,9 @@ inline std::string to_string(const SampleRange& range) {
 std::vector<SampleRange> joined(std::vector<SampleRange> disjoint);
 
 std::uint64_t count_samples(const std::vector<SampleRange>& disjoint);
+
+// Complete replicas (FilmErrors) of ranges that begin with one each: what a range holds of its last one, if it ends within, counts in the
+// mean of a pixel, but not in its error.
+std::uint64_t count_replicas(const std::vector<SampleRange>& disjoint);
 
 }  // namespace oclair

@@ -83,7 +83,7 @@ void count_vertices_in_mesh(Scene& scene, const std::vector<uint>& first_positio
 
 // Takes the mesh apart as it goes.
 void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, WorldShape& source,
-              std::vector<uint>& first_positions) {
+              std::vector<uint>& first_positions, bool keep_uvs) {
   Mesh& mesh = source.mesh;
   const uint shape_index = static_cast<uint>(scene.shapes.size()) - 1;
   const uint first_position = static_cast<uint>(scene.positions.size());
@@ -103,7 +103,7 @@ void add_mesh(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, Worl
   shape.first_normal = append_vertices(scene.normals, mesh.normals, pack);
   mesh.normals = {};
   const uint texture = materials.texture(source.radiance_texture);
-  if (materials.needs_uv(source.material_front) || materials.needs_uv(source.material_back) ||
+  if (keep_uvs || materials.needs_uv(source.material_front) || materials.needs_uv(source.material_back) ||
       materials.texture_needs_uv(source.radiance_texture))
     shape.first_uv = append_vertices(scene.uvs, mesh.uvs, [](const glm::dvec2& uv) {
       return std::array{static_cast<float>(uv.x), static_cast<float>(uv.y)};
@@ -162,7 +162,7 @@ void add_quadric(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, c
   if (source.radiance) lights.add_quadric(scene.shapes[shape_index], *source.radiance, materials.texture(source.radiance_texture));
 }
 
-void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources) {
+void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, std::vector<WorldShape>& sources, bool keep_uvs) {
   std::size_t positions = 0, normals = 0, triangles = 0;
   for (const WorldShape& source : sources) {
     positions += source.mesh.positions.size();
@@ -178,7 +178,7 @@ void add_shapes(Scene& scene, LightPlacer& lights, MaterialPlacer& materials, st
     const uint index = static_cast<uint>(scene.shapes.size());
     scene.shapes.push_back({NONE, NONE, NONE, 1, 0, NONE, NONE});
     first_positions.push_back(0);
-    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, first_positions);
+    if (source.geometry == Geometry::mesh) add_mesh(scene, lights, materials, source, first_positions, keep_uvs);
     else add_quadric(scene, lights, materials, source, index);
   }
   const bool vertex_attributes = std::any_of(scene.textures.begin(), scene.textures.end(),
@@ -199,7 +199,8 @@ double free_way(const WorldFilm& film, const glm::dvec3& first, const glm::dvec3
   return way - (1.0 + 0x1p-10) * (reach.x + reach.y + reach.z);
 }
 
-Camera place_camera(const WorldCamera& source, const WorldFilm& film, const CanonicalFrame& frame) {
+// depth: becomes Scene::camera_depth.
+Camera place_camera(const WorldCamera& source, const WorldFilm& film, const CanonicalFrame& frame, double& depth) {
   const glm::dmat3 linear(source.to_world);
   const glm::dvec2 size(film.width, film.height);
   const glm::dvec2 half(source.tan_half_fov_x, source.tan_half_fov_x * size.y / size.x);
@@ -221,6 +222,7 @@ Camera place_camera(const WorldCamera& source, const WorldFilm& film, const Cano
     // The rays start where the scene can begin, in double: in float32 those of a camera 10^6 away would lie 0.06 off.
     const double start = std::clamp(free_way(film, origin + across, step_x, step_y, axis), near_clip, far_clip);
     origin += start * axis;
+    depth = start;
     near_clip = 0.0;
     far_clip -= start;
   }
@@ -300,11 +302,11 @@ Scene place_scene(World world) {
   scene.frame = canonical_frame(world);
   MaterialPlacer materials(world, scene);
   LightPlacer lights(scene);
-  add_shapes(scene, lights, materials, world.shapes);
+  add_shapes(scene, lights, materials, world.shapes, world.keep_uvs);
   for (const WorldLight& light : world.lights) lights.add(light, materials);
   lights.finish();
   scene.filter = filter_table(world.film.filter, world.film.filter_radius, world.film.filter_stddev);
-  scene.camera = place_camera(world.camera, world.film, scene.frame);
+  scene.camera = place_camera(world.camera, world.film, scene.frame, scene.camera_depth);
   set_settings(scene, world);
   scene.features = features_of(scene, world);
   return scene;

@@ -41,6 +41,7 @@ struct Scene {
   std::vector<uint> environment_cdf;  // see cl/environment.h
   std::vector<FilterEntry> filter;
   Camera camera{};
+  double camera_depth = 0.0;  // of Camera::origin along the axis, canonical: the rays of an orthographic camera begin late
   Settings settings{};
 };
 

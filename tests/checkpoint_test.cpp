@@ -103,7 +103,7 @@ TEST_F(checkpoint_test, its_head_alone_says_all_but_the_arrays) {
   EXPECT_EQ(head.film.exponent, -3);
   EXPECT_EQ(head.film.samples, 88u);
   expect_same_head(head.head, small.head);
-  EXPECT_TRUE(head.film.pixels.empty() && head.film.moments.empty());
+  EXPECT_TRUE(head.film.pixels.empty() && head.film.moments.empty() && head.film.errors.empty());
 }
 
 TEST_F(checkpoint_test, any_changed_byte_is_refused) {
@@ -131,12 +131,14 @@ TEST_F(checkpoint_test, a_file_that_ends_too_soon_or_too_late_is_refused) {
 TEST_F(checkpoint_test, the_message_says_which_part_is_damaged) {
   const Parts parts = parts_of(bytes);
   const std::size_t head = bytes.find('{'), pixels = bytes.size() - parts.arrays.size();
-  const std::size_t moments = pixels + 6 * sizeof(FilmPixel), layer = moments + 6 * sizeof(FilmMoments);
+  const std::size_t moments = pixels + 6 * sizeof(FilmPixel), errors = moments + 6 * sizeof(FilmMoments),
+                    layer = errors + 6 * sizeof(FilmErrors);
   const std::pair<std::size_t, const char*> places[] = {{0, "is not a checkpoint"},
                                                         {18, "is a checkpoint of another version"},
                                                         {head, "its head is damaged"},
                                                         {pixels, "its array pixels is damaged"},
                                                         {moments, "its array moments is damaged"},
+                                                        {errors, "its array errors is damaged"},
                                                         {layer, "its array albedo.R is damaged"}};
   for (const auto& [at, part] : places) {
     std::string changed = bytes;
@@ -176,7 +178,7 @@ TEST_F(checkpoint_test, a_head_that_says_nonsense_is_refused) {
       {"[[0,48],[64,40]]", "[[0,48],[48,40]]"},
       {"[[0,48],[64,40]]", "[[64,48],[0,40]]"},
       {"[[0,48],[64,40]]", "[[0,48],[65,39]]"},
-      {"[[0,48],[64,40]]", "[[0,40],[64,40]]"},
+      {"[[0,48],[64,40]]", "[[8,40],[64,40]]"},
       {"[[0,48],[64,40]]", "[[0,48],[64,0]]"},
       {"[[0,48],[64,40]]", "[[0,48],[64,8589934592]]"},
       {"[[0,48],[64,40]]", "[[0,48],[18446744073709551600,16]]"},
@@ -188,14 +190,13 @@ TEST_F(checkpoint_test, a_head_that_says_nonsense_is_refused) {
       {"[\"pixels\",384", "[\"pixels\",18446744073709551615"},
       {"[\"moments\",864", "[\"moments\",0"},
       {"[\"moments\",864", "[\"other\",864"},
+      {"[\"errors\",720", "[\"errors\",0"},
       {"\"filter\":1", "\"filter\":3"},
       {"\"pixel format\":5", "\"pixel format\":6"},
       {"\"filter radius\":1.25", "\"filter radius\":-1.25"},
       {"\"filter radius\":1.25", "\"filter radius\":null"},
-      {"\"layers\":[", "\"layers\":[{\"channels\":[\"G\"],\"name\":\"albedo.G\",\"type\":\"float\"},"},
-      {"\"layers\":[{\"channels\":[\"R\"],\"name\":\"albedo.R\",\"type\":\"float\"}]", "\"layers\":[]"},
-      {"\"type\":\"float\"", "\"type\":\"half\""},
-      {"\"channels\":[\"R\"]", "\"channels\":[\"R\",\"G\"]"},
+      {"\"layers\":[\"albedo.R\"]", "\"layers\":[\"albedo.R\",\"albedo.G\"]"},
+      {"\"layers\":[\"albedo.R\"]", "\"layers\":[]"},
       {"\"moment name\":\"m\"", "\"moment name\":[1,256]"},
       {"\"moment name\":\"m\"", "\"moment name\":[[[[[[[[1]]]]]]]]"},
       {"{", "[{"},

@@ -35,6 +35,8 @@
   STRUCT(FilmPixel) MEMBER(FilmPixel, sum) MEMBER(FilmPixel, rejected) MEMBER(FilmPixel, hits)                          \
   STRUCT(FilmMoments) MEMBER(FilmMoments, product)                                                                      \
   STRUCT(FilmErrors) MEMBER(FilmErrors, sum) MEMBER(FilmErrors, square)                                                 \
+  STRUCT(AovPixel) MEMBER(AovPixel, albedo) MEMBER(AovPixel, hits) MEMBER(AovPixel, normal) MEMBER(AovPixel, primitive)   \
+  MEMBER(AovPixel, u) MEMBER(AovPixel, v) MEMBER(AovPixel, depth) MEMBER(AovPixel, pixel)                               \
   STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
   MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, passes) MEMBER(PathState, hit_anything) MEMBER(PathState, alive)           \
   STRUCT(ShadowRay) MEMBER(ShadowRay, ray) MEMBER(ShadowRay, contribution) MEMBER(ShadowRay, depth)                     \

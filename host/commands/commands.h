@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../cl/features.h"
+#include "../aov.h"
 #include "../error.h"
 #include "../reader.h"
 
@@ -30,6 +31,7 @@ struct RenderOptions {
   std::optional<unsigned> max_depth;
   Approximations approximations = 0;
   bool exact_kernel = false;
+  Aovs aovs;
 };
 
 struct InfoOptions {

@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace oclair {
@@ -72,6 +73,24 @@ bool exact_kernel(const std::string& option, const std::string& given) {
   if (given == "shared") return false;
   if (given == "exact") return true;
   refuse(option, given, "shared or exact");
+}
+
+Aovs aovs(const std::string& option, const std::string& given) {
+  Aovs wanted;
+  const std::pair<const char*, bool*> names[] = {{"albedo", &wanted.albedo},
+                                                 {"normal", &wanted.normal},
+                                                 {"depth", &wanted.depth},
+                                                 {"uv", &wanted.uv},
+                                                 {"primitive", &wanted.primitive}};
+  for (std::size_t begin = 0; begin <= given.size();) {
+    const std::size_t end = std::min(given.find(',', begin), given.size());
+    const std::string name = given.substr(begin, end - begin);
+    const auto known = std::find_if(std::begin(names), std::end(names), [&](const auto& entry) { return name == entry.first; });
+    if (known == std::end(names)) refuse(option, given, "some of albedo, normal, depth, uv and primitive, joined by commas");
+    *known->second = true;
+    begin = end + 1;
+  }
+  return wanted;
 }
 
 glm::uvec2 film_size(const std::string& option, const std::string& given) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "../film.h"
+#include "../header.h"
 #include "../image.h"
 #include "../layers.h"
 #include "../progress.h"
@@ -47,6 +48,7 @@ void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
   if (options.max_depth) world.integrator.max_depth = *options.max_depth;
+  world.keep_uvs = options.aovs.uv;
 }
 
 void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress& progress) {
@@ -63,45 +65,11 @@ void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress
   }
 }
 
-std::string feature_names(Features features) {
-  std::string names;
-#define FEATURE_NAME(name, bit, variant, description) \
-  if (features & FEATURE_##name) names += (names.empty() ? "" : " ") + std::string(#name);
-  FEATURE_LIST(FEATURE_NAME)
-#undef FEATURE_NAME
-  return names;
-}
-
-// What was asked for at the price of accuracy, on the command line or by the scene's materials.
-std::string approximation_names(const Scene& scene) {
-  std::string names;
-  const auto add = [&](const char* name) { names += (names.empty() ? "" : " ") + std::string(name); };
-#define APPROXIMATION_NAME(name, bit, description) \
-  if (scene.approximations & APPROXIMATION_##name) add(description);
-  APPROXIMATION_LIST(APPROXIMATION_NAME)
-#undef APPROXIMATION_NAME
-  if (scene.features & FEATURE_OREN_NAYAR_FAST) add("oren_nayar=qualitative");
-  return names.empty() ? "none" : names;
-}
-
-// What made the image; nothing that differs between two equal runs.
-ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, const Device& device, std::uint64_t samples,
-                              std::uint64_t rejected) {
-  return {{"software", "oclair " OCLAIR_VERSION},
-          {"scene", options.scene.filename().string()},
-          {"samplesPerPixel", std::to_string(samples)},
-          {"seed", std::to_string(scene.settings.seed)},
-          {"features", feature_names(scene.features)},
-          {"approximations", approximation_names(scene)},
-          {"device", device.name + " (" + device.platform + ")"},
-          {"rejectedSamples", std::to_string(rejected)}};
-}
-
 void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
-                  const ImageAttributes& attributes) {
+                  const std::vector<Layer>& layers, const ImageAttributes& attributes) {
   if (options.exr) {
     write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height},
-              parts_of(film, f.pixel_format, moment_name, {}), attributes);
+              parts_of(film, f.pixel_format, moment_name, layers), attributes);
   }
   if (options.png) {
     const std::vector<float> rgb = rgb_of(film);
@@ -113,6 +81,7 @@ void write_images(const RenderOptions& options, const WorldFilm& f, const std::s
 }  // namespace
 
 Exit render(const RenderOptions& options) {
+  const std::optional<std::int64_t> date = reproducible_date();
   if (options.exr) require_writable(*options.exr);
   if (options.png) require_writable(*options.png);
   const Device device = open_device(options.device);
@@ -138,10 +107,20 @@ Exit render(const RenderOptions& options) {
   Renderer renderer = start_render(device, scene, bvh);
   progress.begin("passes");
   render_passes(renderer, samples_per_pixel, progress);
+  std::vector<Layer> layers;
+  if (options.exr && options.aovs.any()) {
+    progress.begin("layers");
+    layers = render_aovs(renderer, scene, bvh, options.aovs);
+  }
   progress.begin("write");
   const Film film = read_film(renderer);
   const std::uint64_t rejected = rejected_samples(film);
-  write_images(options, window, moment_name, film, attributes_of(options, scene, device, samples_per_pixel, rejected));
+  const Origin origin{options.scene.filename().string(), "", command_line(), ""};
+  Figures figures;
+  figures.ranges = {{0, samples_per_pixel}};
+  figures.rejected = rejected;
+  write_images(options, window, moment_name, film, layers,
+               header_attributes(header_texts(origin, scene, device), figures, date));
   progress.end();  // ends its line first: on a terminal both streams are one
   for (const auto& written : {options.exr, options.png})
     if (written) std::cout << written->string() << "\n";
@@ -184,6 +163,10 @@ Command render_command(CLI::App& program) {
           "--kernels", [options](const std::string& given) { options->exact_kernel = exact_kernel("--kernels", given); },
           "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared")
       ->type_name("shared|exact");
+  line.add_option_function<std::string>(
+          "--aov", [options](const std::string& given) { options->aovs = aovs("--aov", given); },
+          "further layers of the EXR: albedo, normal, depth, uv, primitive")
+      ->type_name("NAME,...");
   add_device(line, options->device);
   return {&line, [&line, options, outputs] {
             outputs->png = line.count("--png") > 0;

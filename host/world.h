@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "../cl/types.h"
+#include "scene_file.h"
 
 namespace oclair {
 
@@ -122,7 +123,7 @@ struct World {
   WorldIntegrator integrator;
   std::uint64_t samples_per_pixel = 4;
   std::uint64_t seed = 0;
-  std::vector<std::string> files;     // every file that was read, the scene file first
+  std::vector<SceneFile> files;       // each that was read, in the order of first reading: the scene file first
   std::vector<std::string> warnings;  // "file:line: ..." one line each
 };
 

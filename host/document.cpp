@@ -1,7 +1,6 @@
 #include "document.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <pugixml.hpp>
 #include <set>
@@ -31,11 +30,12 @@ struct Parser {
   Substitution substitution;
   std::map<std::string, std::uint32_t> ids;
   std::vector<fs::path> open_files;  // the chain of includes, canonical
+  std::size_t files = 0;             // that were read, however often
   std::size_t text_bytes = 0;
 };
 
 std::uint32_t read_object(Parser& parser, Source& source, pugi::xml_node node, int depth);
-std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string& included_at,
+std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string& name, const std::string& included_at,
                         std::vector<fs::path> search_path, int depth);
 
 void read_include(Parser& parser, Source& source, pugi::xml_node node, std::uint32_t parent, int depth) {
@@ -44,7 +44,7 @@ void read_include(Parser& parser, Source& source, pugi::xml_node node, std::uint
   refuse_children(source, node);
   const fs::path file = find_file(source.search_path, name);
   if (file.empty()) refuse(at, "<include>: no file \"" + name + "\" beside the scene or on its search path");
-  const std::uint32_t root = read_file(parser, file, at, source.search_path, depth);
+  const std::uint32_t root = read_file(parser, file, name, at, source.search_path, depth);
   auto& elements = parser.document.elements;
   if (elements[root].tag != "scene") {
     elements[parent].children.push_back({node.attribute("name").value(), at, "", root});
@@ -158,35 +158,34 @@ void check_version(const Source& source, pugi::xml_node root) {
            "version \"" + version + "\" of the scene format is not supported (supported: 2.x.x, 3.x.x)");
 }
 
-std::string read_text(Parser& parser, const fs::path& file, const std::string& included_at) {
+BufferVector<char> read_text(Parser& parser, const fs::path& file, const std::string& name, const std::string& included_at) {
   std::error_code error;
   const std::string prefix = included_at.empty() ? "" : included_at + ": ";
   if (!fs::is_regular_file(file, error))
     throw Error(Exit::scene, prefix + file.string() + (fs::exists(file, error) ? ": is not a file" : ": there is no such file"));
-  std::ifstream stream(file, std::ios::binary);
   const auto size = fs::file_size(file, error);
-  if (!stream || error) throw Error(Exit::scene, prefix + file.string() + ": cannot be read");
+  if (error) throw Error(Exit::scene, prefix + file.string() + ": cannot be read");
   parser.text_bytes += size;
   if (size > MAX_TEXT || parser.text_bytes > MAX_TEXT)
     throw Error(Exit::scene, prefix + file.string() + ": the scene is longer than 256 MiB of XML");
-  std::string text(size, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(size)))
-    throw Error(Exit::scene, prefix + file.string() + ": cannot be read");
-  return text;
+  try {
+    return read_scene_file(file, name, parser.document.files);
+  } catch (const SceneFileError& fault) {
+    throw Error(Exit::scene, prefix + file.string() + ": " + fault.what());
+  }
 }
 
-std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string& included_at,
+std::uint32_t read_file(Parser& parser, const fs::path& file, const std::string& name, const std::string& included_at,
                         std::vector<fs::path> search_path, int depth) {
   std::error_code error;
   const fs::path identity = fs::weakly_canonical(file, error);
   if (std::find(parser.open_files.begin(), parser.open_files.end(), identity) != parser.open_files.end())
     refuse(included_at, "<include>: \"" + file.string() + "\" includes itself");
-  if (parser.document.files.size() > MAX_INCLUDES)
+  if (parser.files++ > MAX_INCLUDES)
     refuse(included_at, "<include>: more than " + std::to_string(MAX_INCLUDES) + " files are included");
   parser.open_files.push_back(identity);
-  parser.document.files.push_back(file.string());
 
-  const std::string text = read_text(parser, file, included_at);
+  const BufferVector<char> text = read_text(parser, file, name, included_at);
   Source source{file.string(), {}, std::move(search_path)};
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\n') source.lines.push_back(i);
@@ -271,7 +270,7 @@ fs::path find_file(const std::vector<fs::path>& search_path, const std::string& 
 
 Document read_document(const fs::path& file, const Definitions& definitions) {
   Parser parser{{}, make_substitution(definitions), {}, {}, 0};
-  read_file(parser, file, "", {fs::path(".")}, 0);
+  read_file(parser, file, "", "", {fs::path(".")}, 0);
   resolve_references(parser);
   check_definitions(parser.substitution);
   return std::move(parser.document);

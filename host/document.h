@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reader.h"
+#include "scene_file.h"
 
 namespace oclair {
 
@@ -45,7 +46,7 @@ struct Element {
 struct Document {
   std::vector<Element> elements;                   // the first is the scene; children have no cycles, depth <= 64
   std::vector<std::filesystem::path> search_path;  // where files named by the scene are looked for, first match wins
-  std::vector<std::string> files;                  // every XML file that was read, the scene first
+  std::vector<SceneFile> files;                    // every XML file that was read, the scene first
   std::vector<std::string> warnings;               // "file:line: ..."
 };
 

@@ -4,18 +4,16 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <stdexcept>
 #include <string_view>
 
-#include "buffer_vector.h"
 #include "mesh.h"
+#include "scene_file.h"
 
 namespace oclair {
 
 // What is wrong with a mesh file; the caller adds which file, and the line of the scene that names it.
-struct MeshFileError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct MeshFileError : SceneFileError {
+  using SceneFileError::SceneFileError;
 };
 
 // Positions, vertex normals, texture coordinates and faces; corners that share all three indices become one vertex. Everything
@@ -32,9 +30,5 @@ ObjectMesh parse_ply(std::string_view bytes);
 // The shape of that number in a file of Mitsuba's serialized meshes, versions 3 and 4. Like Mitsuba it takes no notice of the
 // flag for face normals. Colours become the attribute "vertex_color". Throws MeshFileError.
 ObjectMesh parse_serialized(std::string_view file, std::uint64_t shape_index);
-
-// The whole file. Throws MeshFileError.
-BufferVector<char> read_mesh_file(const std::filesystem::path& file);
-inline std::string_view text_of(const BufferVector<char>& bytes) { return {bytes.data(), bytes.size()}; }
 
 }  // namespace oclair

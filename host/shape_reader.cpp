@@ -35,13 +35,14 @@ MeshOptions mesh_options(Element& element) {
   return options;
 }
 
-ObjectMesh parse_mesh(Element& element, const std::string& file, ShapeContext& context) {
-  if (element.type == "obj") return parse_obj(text_of(read_mesh_file(file)));
-  if (element.type == "ply") return parse_ply(text_of(read_mesh_file(file)));
+ObjectMesh parse_mesh(Element& element, const std::string& file, const std::string& name, ShapeContext& context, World& world) {
+  const auto bytes = [&] { return read_scene_file(file, name, world.files); };
+  if (element.type == "obj") return parse_obj(text_of(bytes()));
+  if (element.type == "ply") return parse_ply(text_of(bytes()));
   constexpr std::int64_t MAX_INDEX = std::numeric_limits<std::uint32_t>::max();
   const std::int64_t shape_index = integer_property(element, "shape_index", 0, 0, MAX_INDEX);
   if (context.serialized_file != file) {
-    context.serialized_bytes = read_mesh_file(file);
+    context.serialized_bytes = bytes();
     context.serialized_file = file;
   }
   return parse_serialized(text_of(context.serialized_bytes), static_cast<std::uint64_t>(shape_index));
@@ -54,10 +55,9 @@ Mesh mesh_from_file(const Document& document, Element& element, ShapeContext& co
   const std::string at = where_is(element, "filename");
   const auto file = find_file(document.search_path, *name).string();
   if (file.empty()) refuse(at, "no mesh file \"" + *name + "\" beside the scene or on its search path");
-  if (std::find(world.files.begin(), world.files.end(), file) == world.files.end()) world.files.push_back(file);
   const auto options = mesh_options(element);
   try {
-    ObjectMesh mesh = parse_mesh(element, file, context);
+    ObjectMesh mesh = parse_mesh(element, file, *name, context, world);
     if (mesh.concave_polygons)
       world.warnings.push_back(at + ": " + file + ": " + std::to_string(mesh.concave_polygons) +
                                " polygons are concave or bent; each is cut into a fan around its first corner");
@@ -67,7 +67,7 @@ Mesh mesh_from_file(const Document& document, Element& element, ShapeContext& co
     if (flip_uv)
       for (auto& uv : mesh.uvs) uv.y = 1.0 - uv.y;
     return to_world(std::move(mesh), options);
-  } catch (const MeshFileError& error) {
+  } catch (const SceneFileError& error) {
     refuse(at, file + ": " + error.what());
   } catch (const std::range_error& error) {
     refuse(at, file + ": " + error.what());

@@ -1,6 +1,5 @@
 #include "texture_file.h"
 
-#include "mesh_file.h"
 #include "texture_decoders.h"
 
 namespace oclair {
@@ -25,14 +24,6 @@ Image parse_image(std::string_view bytes) {
   if (bytes.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes);
   if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes);
   throw TextureFileError("it is not an image of a known format (known: PNG, JPEG, OpenEXR)");
-}
-
-Image read_texture_file(const std::filesystem::path& file) {
-  try {
-    return parse_image(text_of(read_mesh_file(file)));
-  } catch (const MeshFileError& error) {
-    throw TextureFileError(error.what());
-  }
 }
 
 }  // namespace oclair

@@ -1,6 +1,5 @@
 #include "texture_reader.h"
 
-#include <algorithm>
 #include <new>
 
 #include "property.h"
@@ -85,10 +84,9 @@ std::shared_ptr<const Image> image_property(Document& document, std::uint32_t in
   if (file.empty()) refuse(at, "no image file \"" + *name + "\" beside the scene or on its search path");
   auto& image = known.images[file];
   if (image) return image;
-  if (std::find(world.files.begin(), world.files.end(), file) == world.files.end()) world.files.push_back(file);
   try {
-    image = std::make_shared<const Image>(read_texture_file(file));
-  } catch (const TextureFileError& error) {
+    image = std::make_shared<const Image>(parse_image(text_of(read_scene_file(file, *name, world.files))));
+  } catch (const SceneFileError& error) {
     refuse(at, file + ": " + error.what());
   } catch (const std::bad_alloc&) {
     refuse(at, file + ": there is not enough memory for it");

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "../cl/types.h"
+#include "scene_file.h"
 
 namespace oclair {
 
@@ -123,7 +124,7 @@ struct World {
   std::uint64_t samples_per_pixel = 4;
   std::uint64_t seed = 0;
   bool keep_uvs = false;              // texture coordinates go to the device even where no texture asks for them
-  std::vector<std::string> files;     // every file that was read, the scene file first
+  std::vector<SceneFile> files;       // each that was read, in the order of first reading: the scene file first
   std::vector<std::string> warnings;  // "file:line: ..." one line each
 };
 

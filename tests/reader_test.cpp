@@ -445,8 +445,8 @@ TEST(reader_test, mesh_file_is_found_beside_the_scene_and_listed) {
       "property list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   const auto world = directory.read(SENSOR + "<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/></shape>");
   ASSERT_EQ(world.files.size(), 2u);
-  EXPECT_EQ(world.files[0], (directory.path() / "scene.xml").string());
-  EXPECT_EQ(world.files[1], (directory.path() / "a.ply").string());
+  EXPECT_EQ(world.files[0].path, (directory.path() / "scene.xml").string());
+  EXPECT_EQ(world.files[1].path, (directory.path() / "a.ply").string());
   expect_near(world.shapes[0].mesh.normals[0], {0, 0, 1}, 0);
 }
 

@@ -14,8 +14,8 @@ bool scan_is_there() {
 
 Mesh scan() {
   try {
-    return to_world(parse_obj(text_of(read_mesh_file(scan_file))), {.face_normals = true});
-  } catch (const MeshFileError& fault) {
+    return to_world(parse_obj(text_of(read_whole_file(scan_file))), {.face_normals = true});
+  } catch (const SceneFileError& fault) {
     throw Error(Exit::scene, std::string(scan_file) + ": " + fault.what());
   }
 }

@@ -137,7 +137,7 @@ double ErrorMonitor::burst_share() const {
 
 std::optional<double> ErrorMonitor::estimate() const {
   if (pairs_ == 0) return std::nullopt;
-  return std::sqrt(variance_mean_ * static_cast<double>(block_) / static_cast<double>(samples_));
+  return std::sqrt(std::max(mean_, variance_mean_) * static_cast<double>(block_) / static_cast<double>(samples_));
 }
 
 std::optional<double> ErrorMonitor::bound() const {

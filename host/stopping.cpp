@@ -1,0 +1,187 @@
+#include "stopping.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+
+#include "film.h"
+
+namespace oclair {
+namespace {
+
+constexpr double floor_share = 0.01;    // of the squared mean colour: a tenth of the mean radiance
+constexpr uint cell_side = 8;           // pixels
+constexpr double most_of_a_burst = 0.05;
+constexpr std::uint64_t fewest_pairs = 4;
+constexpr std::uint64_t fewest_pixel_pairs = 4096;  // of all pixels together
+
+double square(const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+// How far the mean of n independent values of unit deviation may ever stay below its expectation, but with probability alpha:
+// the one-sided asymptotic confidence sequence of Waudby-Smith, Arbour, Sinha, Kennedy, Ramdas 2024 (Annals of Statistics 52:
+// Time-uniform central limit theory and asymptotic confidence sequences), tightest near n = n0.
+double sequence_width(double n, double alpha) {
+  constexpr double n0 = 32;
+  const double l = -2.0 * std::log(2.0 * alpha), r2 = (l + std::log(l + 1.0)) / n0, q = n * r2 + 1.0;
+  return std::sqrt(2.0 * q / (n * n * r2) * std::log1p(std::sqrt(q) / (2.0 * alpha)));
+}
+
+std::string format(const char* pattern, double a, double b, double c) {
+  char line[200];
+  std::snprintf(line, sizeof line, pattern, a, b, c);
+  return line;
+}
+
+}  // namespace
+
+ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples)
+    : target_(target), confidence_(confidence), block_(block_samples) {
+  assert(target > 0.0 && confidence > 0.0 && confidence < 1.0 && block_samples > 0);
+}
+
+void ErrorMonitor::add(const Film& film) {
+  if (film.samples == 0 || film.samples % block_ != 0 || film.samples == samples_) return;
+  if (pixels_.size() != film.pixels.size() || film.samples != samples_ + block_) {
+    rebase(film);
+    return;
+  }
+  if (!pair_begun_) {
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const auto block = take_block(film, i);
+      for (int c = 0; c < 3; ++c) pixels_[i].first[c] = static_cast<float>(block[c]);
+    }
+    samples_ = film.samples;
+    pair_begun_ = true;
+    return;
+  }
+  pair_begun_ = false;
+  const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
+  std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
+  double y = 0.0;
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    auto difference = take_block(film, i);
+    for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
+    const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+    if (!black_) pixels_[i].variance_sum += variance;
+    y += weighted;
+    cells[i / film.width / cell_side * row_of_cells + i % film.width / cell_side] += weighted;
+  }
+  if (!black_) {
+    const double count = static_cast<double>(pixels_.size());
+    y /= count;
+    ++pairs_;
+    const double step = y - mean_;
+    mean_ += step / static_cast<double>(pairs_);
+    square_sum_ += step * (y - mean_);
+    largest_burst_ = std::max(largest_burst_, *std::max_element(cells.begin(), cells.end()) / count);
+  }
+  samples_ = film.samples;
+  set_weights(film);
+}
+
+// Takes the film as where the next pair begins.
+void ErrorMonitor::rebase(const Film& film) {
+  if (pixels_.size() != film.pixels.size()) pixels_.assign(film.pixels.size(), Pixel{});
+  for (std::size_t i = 0; i < pixels_.size(); ++i) take_block(film, i);
+  samples_ = film.samples;
+  pair_begun_ = false;
+  set_weights(film);
+}
+
+void ErrorMonitor::set_weights(const Film& film) {
+  const double count = static_cast<double>(pixels_.size());
+  std::array<double, 3> mean{};
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const auto pixel = pixel_mean(film, i);
+    for (int c = 0; c < 3; ++c) mean[c] += pixel[c] / count;
+  }
+  const double floor = floor_share * square(mean);
+  black_ = !(floor > 0.0);
+  variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    Pixel& pixel = pixels_[i];
+    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(pixel_mean(film, i)) + floor));
+    const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
+    variance_mean_ += variance / count;
+    variance_square_mean_ += variance * variance / count;
+    variance_most_ = std::max(variance_most_, variance);
+  }
+}
+
+// The mean of the pixel's samples since the last film; 0 if all were left out.
+std::array<double, 3> ErrorMonitor::take_block(const Film& film, std::size_t i) {
+  Pixel& pixel = pixels_[i];
+  const std::uint64_t rejected = film.pixels[i].rejected;
+  const double accepted = static_cast<double>(film.samples - rejected);
+  const double taken = static_cast<double>((film.samples - samples_) - (rejected - pixel.rejected));
+  const auto mean = pixel_mean(film, i);
+  std::array<double, 3> block{};
+  for (int c = 0; c < 3; ++c) {
+    const double sum = mean[c] * accepted;
+    if (taken > 0.0) block[c] = (sum - pixel.sum[c]) / taken;
+    pixel.sum[c] = sum;
+  }
+  pixel.rejected = rejected;
+  return block;
+}
+
+std::uint64_t ErrorMonitor::pairs_needed() const {
+  const std::uint64_t pixels = std::max<std::uint64_t>(1, pixels_.size());
+  return std::max(fewest_pairs, (fewest_pixel_pairs + pixels - 1) / pixels);
+}
+
+double ErrorMonitor::burst_share() const {
+  return mean_ > 0.0 ? largest_burst_ / (mean_ * static_cast<double>(pairs_)) : 0.0;
+}
+
+std::optional<double> ErrorMonitor::estimate() const {
+  if (pairs_ == 0) return std::nullopt;
+  return std::sqrt(std::max(mean_, variance_mean_) * static_cast<double>(block_) / static_cast<double>(samples_));
+}
+
+std::optional<double> ErrorMonitor::bound() const {
+  if (pairs_ < 2) return std::nullopt;
+  const double pairs = static_cast<double>(pairs_), pixels = static_cast<double>(pixels_.size());
+  const double alpha = 0.5 * (1.0 - confidence_);  // for each of the two things that can go wrong
+  // The deviation of Y from one pair to another: at least that of normal blocks in independent pixels.
+  const double normal = 2.0 * variance_square_mean_ / pixels;
+  const double seen = std::max(normal, square_sum_ / (pairs - 1.0));
+  // First the expectation of Y. Weights have changed since the first pairs: those of today count if they say more.
+  const double reweighting = mean_ > 0.0 ? std::max(1.0, variance_mean_ / mean_) : 1.0;
+  const double expectation = reweighting * (mean_ + std::sqrt(seen) * sequence_width(pairs, alpha));
+  // Then the error of this one image about its expectation: of n blocks, n times the squared error is almost a weighted sum of
+  // chi-squares, whose upper tail is bounded by Laurent, Massart 2000 (Adaptive estimation of a quadratic functional by model
+  // selection), lemma 1. Almost: the kurtosis that makes Y deviate more than normal blocks do counts 2 / n as much here.
+  const double blocks = static_cast<double>(samples_ / block_), x = -std::log(alpha);
+  const double deviation = std::sqrt(normal + 2.0 * (seen - normal) / blocks);
+  const double excess = deviation * std::sqrt(2.0 * x) + 2.0 * x * variance_most_ / pixels;
+  return std::sqrt((expectation + excess) / blocks);
+}
+
+bool ErrorMonitor::certified() const { return why_not().empty(); }
+
+std::string ErrorMonitor::why_not() const {
+  const std::uint64_t needed = pairs_needed();
+  if (pairs_ < needed) {
+    if (black_ && samples_ > 0) return "the picture is black so far";
+    return "the error is judged after " + std::to_string(2 * (needed - pairs_) * block_) + " more samples per pixel";
+  }
+  const double now = *bound();
+  if (!(now <= target_))
+    return format("the error is below %.3g with %.4g %% confidence, %.3g was asked for", now, 100.0 * confidence_, target_);
+  if (burst_share() > most_of_a_burst)
+    return format("%.0f %% of the noise seen are a few samples in one block of %.0f x %.0f pixels: there may be more like them",
+                  100.0 * burst_share(), cell_side, cell_side);
+  return "";
+}
+
+std::optional<std::uint64_t> ErrorMonitor::samples_expected() const {
+  const auto now = bound();
+  if (!now) return std::nullopt;
+  const std::uint64_t least = samples_ + (pairs_ < pairs_needed() ? 2 * (pairs_needed() - pairs_) * block_ : 0);
+  const double share = *now / target_;
+  return std::max(least, static_cast<std::uint64_t>(std::min(share * share * static_cast<double>(samples_), 0x1p62)));
+}
+
+}  // namespace oclair

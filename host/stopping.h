@@ -1,0 +1,67 @@
+// When is the picture good enough? The error of a whole image, estimated and bounded while it renders, by a method that may look
+// after every block of samples. What is certified, how, and how often it was wrong: docs/decisions/stopping.md.
+//
+// The error of an image x of the true image mu is the root of the mean over its pixels of
+//   |x_p - mu_p|^2 / (|mu_p|^2 + 0.01 |m|^2),
+// |.| over the three channels, m the mean colour of the image: the relative squared error of Rousselle, Knaus, Zwicker 2011
+// (Adaptive sampling and reconstruction using greedy error minimization), with a floor that makes it blind to the scale of light.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render.h"
+
+namespace oclair {
+
+class ErrorMonitor {
+ public:
+  // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
+  static constexpr std::uint64_t usual_block = 16;
+
+  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
+  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
+
+  // The film after another block: counts where the samples of a pixel are a multiple of the block's. A film that is further on by
+  // more than a block costs what lies between, and a pair that was begun; the first film (a resumed one, too) only gives weights.
+  void add(const Film& film);
+
+  std::optional<double> estimate() const;  // of the error of the last film; nothing before the first pair of blocks
+  std::optional<double> bound() const;     // the error is below this with the confidence asked for, whenever one looks
+  bool certified() const;
+  std::string why_not() const;  // one line for the user; empty: certified
+  std::optional<std::uint64_t> samples_expected() const;  // per pixel, until the bound reaches the target
+
+ private:
+  struct Pixel {
+    std::array<double, 3> sum;    // radiance times accepted samples, up to the last film
+    std::uint64_t rejected;       // up to the last film
+    std::array<float, 3> first;   // mean of the first block of a pair
+    float weight;                 // 1 / (|mu|^2 + floor), from what was known before the pair
+    double variance_sum;          // over all pairs: |difference of two block means|^2 / 2, without weight
+  };
+
+  void rebase(const Film& film);
+  void set_weights(const Film& film);
+  std::array<double, 3> take_block(const Film& film, std::size_t pixel);
+  std::uint64_t pairs_needed() const;
+  double burst_share() const;
+
+  double target_, confidence_;
+  std::uint64_t block_;
+  std::uint64_t samples_ = 0;  // of the last film that counted
+  bool pair_begun_ = false, black_ = true;
+  std::vector<Pixel> pixels_;
+
+  // Of Y, the weighted variance of a block, mean over the pixels: one value a pair.
+  std::uint64_t pairs_ = 0;
+  double mean_ = 0, square_sum_ = 0;  // running mean, sum of squared distances from it (Welford 1962)
+  double largest_burst_ = 0;          // share of one Y that one cell of 8 x 8 pixels brought, times that Y
+  // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum.
+  double variance_mean_ = 0, variance_square_mean_ = 0, variance_most_ = 0;
+};
+
+}  // namespace oclair

@@ -39,7 +39,8 @@
   X(THIN_LENS, 28, "camera with a lens")                                     \
   X(ORTHOGRAPHIC, 29, "orthographic camera")                                 \
   X(MOMENTS, 30, "second moments of every pixel")                            \
-  X(HIDDEN_EMITTERS, 31, "lights that the camera does not see")
+  X(HIDDEN_EMITTERS, 31, "lights that the camera does not see")              \
+  X(SOBOL, 32, "Owen-scrambled Sobol sampling")
 
 // What a user may ask for at the price of accuracy (-DAPPROXIMATIONS=<bits>): name, bit, how the image's header calls it.
 #define APPROXIMATION_LIST(X) X(SCHLICK, 0, "fresnel=schlick")

@@ -122,6 +122,7 @@ struct World {
   WorldIntegrator integrator;
   std::uint64_t samples_per_pixel = 4;
   std::uint64_t seed = 0;
+  SamplerKind sampler = SAMPLER_INDEPENDENT;
   std::vector<std::string> files;     // every file that was read, the scene file first
   std::vector<std::string> warnings;  // "file:line: ..." one line each
 };

@@ -68,6 +68,12 @@ Approximations fresnel(const std::string& option, const std::string& given) {
   refuse(option, given, "exact or schlick");
 }
 
+SamplerKind sampler(const std::string& option, const std::string& given) {
+  if (given == "independent") return SAMPLER_INDEPENDENT;
+  if (given == "sobol") return SAMPLER_SOBOL;
+  refuse(option, given, "independent or sobol");
+}
+
 glm::uvec2 film_size(const std::string& option, const std::string& given) {
   constexpr std::uint64_t most = 65536;
   const std::size_t cross = std::min(given.find('x'), given.size());

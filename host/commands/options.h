@@ -14,6 +14,7 @@ void add_device(CLI::App& line, std::string& device);
 
 std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most);
 Approximations fresnel(const std::string& option, const std::string& given);  // exact or schlick
+SamplerKind sampler(const std::string& option, const std::string& given);     // independent or sobol
 glm::uvec2 film_size(const std::string& option, const std::string& given);  // WIDTHxHEIGHT
 
 }  // namespace oclair

@@ -47,6 +47,7 @@ void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
   if (options.max_depth) world.integrator.max_depth = *options.max_depth;
+  if (options.sampler) world.sampler = *options.sampler;
 }
 
 void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress& progress) {
@@ -91,6 +92,7 @@ ImageAttributes attributes_of(const RenderOptions& options, const Scene& scene, 
           {"scene", options.scene.filename().string()},
           {"samplesPerPixel", std::to_string(samples)},
           {"seed", std::to_string(scene.settings.seed)},
+          {"sampler", scene.settings.sampler == SAMPLER_SOBOL ? "sobol" : "independent"},
           {"features", feature_names(scene.features)},
           {"approximations", approximation_names(scene)},
           {"device", device.name + " (" + device.platform + ")"},
@@ -181,6 +183,10 @@ Command render_command(CLI::App& program) {
           "--fresnel", [options](const std::string& given) { options->approximations = fresnel("--fresnel", given); },
           "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact")
       ->type_name("exact|schlick");
+  line.add_option_function<std::string>(
+          "--sampler", [options](const std::string& given) { options->sampler = sampler("--sampler", given); },
+          "random numbers: independent ones, or scrambled Sobol points; default: independent")
+      ->type_name("independent|sobol");
   add_device(line, options->device);
   return {&line, [&line, options, outputs] {
             outputs->png = line.count("--png") > 0;

@@ -3,7 +3,7 @@
 #define OCLAIR_CAMERA_H
 
 #include "filter.h"
-#include "rng.h"
+#include "sampler.h"
 #include "warp.h"
 
 // Moves a ray's origin forward to the box [-1, 1]^3 that holds the scene, if it lies outside: the conservative box test and the
@@ -53,9 +53,9 @@ INLINE Ray camera_ray(const Camera *camera, float x, float y, float2 lens) {
 }
 
 // Ray of a sample of the pixel (x, y) of the full film.
-INLINE Ray camera_sample(const Scene *scene, uint x, uint y, ulong key) {
+INLINE Ray camera_sample(const Scene *scene, uint x, uint y, const Sampler *sampler) {
   __global const Settings *settings = scene->settings;
-  float2 u = rng_2d(key, DIMENSION_FILM);
+  float2 u = sampler_2d(sampler, DIMENSION_FILM);
   float radius = settings->filter_radius;
   float2 center = (float2)(x + 0.5f, y + 0.5f);
   float2 low = (float2)(settings->crop_x, settings->crop_y) - center;
@@ -67,7 +67,7 @@ INLINE Ray camera_sample(const Scene *scene, uint x, uint y, ulong key) {
   float2 offset = (float2)(filter_sample(scene->filter, settings->filter_count, radius, low.x, high.x, u.x),
                            filter_sample(scene->filter, settings->filter_count, radius, low.y, high.y, u.y));
   Camera camera = *scene->camera;
-  float2 lens = HAS(THIN_LENS) ? rng_2d(key, DIMENSION_LENS) : (float2)(0.0f);
+  float2 lens = HAS(THIN_LENS) ? sampler_2d(sampler, DIMENSION_LENS) : (float2)(0.0f);
   return camera_ray(&camera, center.x + offset.x, center.y + offset.y, lens);
 }
 

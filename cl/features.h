@@ -40,7 +40,8 @@
   X(THIN_LENS, 28, SURFACES, "camera with a lens")                                                            \
   X(ORTHOGRAPHIC, 29, SURFACES, "orthographic camera")                                                        \
   X(MOMENTS, 30, ALONE, "second moments of every pixel")                                                      \
-  X(HIDDEN_EMITTERS, 31, FULL, "lights that the camera does not see")
+  X(HIDDEN_EMITTERS, 31, FULL, "lights that the camera does not see")                                         \
+  X(SOBOL, 32, ALONE, "Owen-scrambled Sobol sampling")
 
 // What a user may ask for at the price of accuracy (-DAPPROXIMATIONS=<bits>): name, bit, how the image's header calls it.
 #define APPROXIMATION_LIST(X) X(SCHLICK, 0, "fresnel=schlick")

@@ -171,7 +171,7 @@ INLINE float spot_falloff(const Light *light, float3 d) {
 
 // Samples the light towards the point `from` by 64 random bits.
 INLINE LightSample light_sample(const Scene *scene, const Light *light, float3 from, ulong bits) {
-  float2 u = (float2)(rng_unit((uint)(bits >> 32)), rng_unit((uint)bits));
+  float2 u = rng_point(bits);
   if (HAS(TRIANGLE_LIGHTS) && light->kind == LIGHT_TRIANGLE) return light_sample_triangle(scene, light, from, u);
   if (HAS(QUADRIC_LIGHTS) && light->kind == LIGHT_QUADRIC) return light_sample_quadric(scene, light, from, u);
   LightSample s;

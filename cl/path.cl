@@ -7,8 +7,8 @@ OUT_OF_LINE void render_pixel(const Scene *scene, Pixel pixel, __global FilmPixe
                               __global FilmErrors *errors, ulong first_sample, uint samples) {
   __global const Settings *settings = scene->settings;
   for (uint i = 0; i < samples; ++i) {
-    ulong key = rng_key(settings->seed, pixel_stream(settings, pixel), first_sample + i);
-    PathState path = path_trace(scene, pixel.x, pixel.y, key);
+    const Sampler sampler = sampler_begin(settings, pixel_stream(settings, pixel), first_sample + i);
+    PathState path = path_trace(scene, pixel.x, pixel.y, &sampler);
     film_add(film, moments, unpack3(path.radiance), path.hit_anything, settings->film_exponent);
     film_end_sample(film, errors, first_sample + i);
   }

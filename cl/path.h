@@ -18,9 +18,9 @@
 
 INLINE uint dimension_of_vertex(uint depth, uint which) { return DIMENSION_VERTEX + depth * DIMENSIONS_PER_VERTEX + which; }
 
-INLINE PathState path_begin(const Scene *scene, uint x, uint y, ulong key) {
+INLINE PathState path_begin(const Scene *scene, uint x, uint y, const Sampler *sampler) {
   PathState path;
-  path.ray = camera_sample(scene, x, y, key);
+  path.ray = camera_sample(scene, x, y, sampler);
   path.throughput = pack3((float3)(1.0f));
   path.radiance = pack3((float3)(0.0f));
   path.eta = 1.0f;
@@ -99,24 +99,24 @@ INLINE float path_transparency(const Scene *scene, const Ray *ray, Hit hit, uint
 // Random bits of surface number `passes` that a path or a shadow ray of that depth meets: which material of a blend, and whether it
 // lets the path through. A shadow ray decides for itself: its product of transparencies is right in the mean only if it does not
 // depend on what the path has met, which may be the same surface.
-INLINE ulong path_surface_bits(ulong key, uint depth, uint passes, bool shadow) {
-  return rng_mix(rng_bits(key, dimension_of_vertex(depth, DIMENSION_MATERIAL)) + (2ul * passes + shadow) * RNG_GOLDEN);
+INLINE ulong path_surface_bits(const Sampler *sampler, uint depth, uint passes, bool shadow) {
+  return rng_mix(rng_bits(sampler->key, dimension_of_vertex(depth, DIMENSION_MATERIAL)) + (2ul * passes + shadow) * RNG_GOLDEN);
 }
 
 // Next-event estimation: the shadow ray to a point of a light chosen by power.
 INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, const Surface *surface, uint primitive,
-                                 const Material *material, float3 wo, ulong key) {
+                                 const Material *material, float3 wo, const Sampler *sampler) {
   ShadowRay shadow;
   shadow.contribution = pack3((float3)(0.0f));
   __global const Settings *settings = scene->settings;
   if (!HAS_LIGHTS || settings->light_count == 0u) return shadow;
   uint which = distribution_select(scene->light_cdf, settings->light_count,
-                            (uint)(rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT)) >> 32));
+                            (uint)(sampler_bits(sampler, dimension_of_vertex(path->depth, DIMENSION_LIGHT)) >> 32));
   Light light = scene->lights[which];
   // The very point from which a scattered ray on this side starts: both strategies then see the light from the same place.
   float3 origin = surface_offset(surface->position, surface->error, surface->geometric, surface->geometric);
   LightSample sample =
-      light_sample(scene, &light, origin, rng_bits(key, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
+      light_sample(scene, &light, origin, sampler_bits(sampler, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
   float3 wi = frame_to_local(surface->frame, sample.direction);
   if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
   float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
@@ -134,8 +134,8 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
 
 // Scatters the path: its next ray, or its end.
 INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *surface, uint primitive, const Material *material,
-                         float3 wo, ulong key) {
-  float2 u = rng_2d(key, dimension_of_vertex(path->depth, DIMENSION_SCATTER));
+                         float3 wo, const Sampler *sampler) {
+  float2 u = sampler_2d(sampler, dimension_of_vertex(path->depth, DIMENSION_SCATTER));
   Scatter scatter = bsdf_sample(material, wo, surface->front, u);
   float3 wi = renormalize(frame_to_world(surface->frame, scatter.wi));
   // With interpolated normals a direction can end on the wrong side of the true surface: it is rejected.
@@ -159,7 +159,7 @@ INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *sur
   // emission times 2^k would change the paths.
   if (path->depth >= scene->settings->rr_depth) {
     float q = clamp(max_component(throughput) * path->eta * path->eta, ROULETTE_MIN, ROULETTE_MAX);
-    float survive = rng_unit((uint)rng_bits(key, dimension_of_vertex(path->depth - 1u, DIMENSION_LIGHT)));
+    float survive = rng_unit((uint)sampler_bits(sampler, dimension_of_vertex(path->depth - 1u, DIMENSION_LIGHT)));
     if (survive >= q) path->alive = 0;
     throughput /= q;
   }
@@ -167,7 +167,7 @@ INLINE void path_scatter(const Scene *scene, PathState *path, const Surface *sur
 }
 
 // One vertex of the path: what the ray found, the shadow ray to trace (its contribution is 0 if there is none), the next ray.
-INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong key) {
+INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, const Sampler *sampler) {
   ShadowRay none;
   none.contribution = pack3((float3)(0.0f));
   if (hit.primitive == NONE) {
@@ -184,7 +184,7 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
 
   uint material_index = surface.front ? shape.material_front : shape.material_back;
   if (material_index != NONE) {
-    ulong bits = path_surface_bits(key, path->depth, path->passes, false);
+    ulong bits = path_surface_bits(sampler, path->depth, path->passes, false);
     material_index = material_select(scene, material_index, &surface.at, (uint)(bits >> 32));
     if (HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, &path->ray, hit, material_index, &surface.at)) {
       path_pass_through(path, hit);
@@ -199,8 +199,8 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, ulong 
   Material material = material_at(scene, material_index, &surface.at);
   if (HAS_TANGENTS) surface.frame = normal_map_frame(scene, &material, &surface, -unpack3(path->ray.direction));
   float3 wo = frame_to_local(surface.frame, -unpack3(path->ray.direction));
-  ShadowRay shadow = bsdf_is_delta(&material) ? none : path_shadow_ray(scene, path, &surface, hit.primitive, &material, wo, key);
-  path_scatter(scene, path, &surface, hit.primitive, &material, wo, key);
+  ShadowRay shadow = bsdf_is_delta(&material) ? none : path_shadow_ray(scene, path, &surface, hit.primitive, &material, wo, sampler);
+  path_scatter(scene, path, &surface, hit.primitive, &material, wo, sampler);
   return shadow;
 }
 
@@ -213,7 +213,7 @@ INLINE void path_add_light(PathState *path, const ShadowRay *shadow, float visib
 }
 
 // Share of the light of a shadow ray that arrives.
-INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong key) {
+INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const Sampler *sampler) {
   if (!HAS(OPACITY)) return traverse_any(scene, &shadow->ray) ? 0.0f : 1.0f;
   Ray ray = shadow->ray;
   ray.t_max = nextafter(ray.t_max, 0.0f);  // as in traverse_any: what lies strictly between the two ends
@@ -225,7 +225,7 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong 
     Shape shape = scene->shapes[surface.shape];
     uint index = surface.front ? shape.material_front : shape.material_back;
     if (index == NONE) return 0.0f;
-    index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(key, shadow->depth, passes, true) >> 32));
+    index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(sampler, shadow->depth, passes, true) >> 32));
     share *= path_transparency(scene, &ray, hit, index, &surface.at);
     if (!(share > 0.0f)) return 0.0f;
     path_pass(&ray, hit);
@@ -234,12 +234,12 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, ulong 
 }
 
 // A whole path: radiance along the camera ray of one sample.
-INLINE PathState path_trace(const Scene *scene, uint x, uint y, ulong key) {
-  PathState path = path_begin(scene, x, y, key);
+INLINE PathState path_trace(const Scene *scene, uint x, uint y, const Sampler *sampler) {
+  PathState path = path_begin(scene, x, y, sampler);
   while (path.alive) {
     Hit hit = traverse_closest(scene, &path.ray);
-    ShadowRay shadow = path_shade(scene, &path, hit, key);
-    if (path_has_shadow_ray(&shadow)) path_add_light(&path, &shadow, path_visibility(scene, &shadow, key));
+    ShadowRay shadow = path_shade(scene, &path, hit, sampler);
+    if (path_has_shadow_ray(&shadow)) path_add_light(&path, &shadow, path_visibility(scene, &shadow, sampler));
   }
   return path;
 }

@@ -17,7 +17,8 @@ enum {
   DIMENSION_LIGHT_POINT = 1,  // where on the light
   DIMENSION_SCATTER = 2,      // scattering direction; dielectric, x: reflect or refract
   DIMENSION_MATERIAL = 3,     // which material of a blend, whether a surface lets the path through
-  DIMENSIONS_PER_VERTEX = 4
+  DIMENSIONS_PER_VERTEX = 4,
+  DIMENSION_REPLICA = 0x7fffffff  // beyond those of every path: for its replica
 };
 
 INLINE ulong rng_mix(ulong z) {
@@ -36,9 +37,6 @@ INLINE ulong rng_bits(ulong key, uint dimension) { return rng_mix(key + (dimensi
 // The top 24 bits as a float in [0, 1 - 2^-24]: 32 bits times 2^-32 would round up to 1.
 INLINE float rng_unit(uint bits) { return (bits >> 8) * 0x1p-24f; }
 
-INLINE float2 rng_2d(ulong key, uint dimension) {
-  ulong bits = rng_bits(key, dimension);
-  return (float2)(rng_unit((uint)(bits >> 32)), rng_unit((uint)bits));
-}
+INLINE float2 rng_point(ulong bits) { return (float2)(rng_unit((uint)(bits >> 32)), rng_unit((uint)bits)); }
 
 #endif

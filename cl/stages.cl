@@ -6,14 +6,15 @@
 
 #define STAGE __kernel __attribute__((reqd_work_group_size(WORK_GROUP_SIZE, 1, 1))) void
 
-INLINE ulong key_of(__global const Settings *settings, Pixel pixel, ulong sample) {
-  return rng_key(settings->seed, pixel_stream(settings, pixel), sample);
+INLINE Sampler sampler_of(__global const Settings *settings, Pixel pixel, ulong sample) {
+  return sampler_begin(settings, pixel_stream(settings, pixel), sample);
 }
 
 STAGE camera_rays(SCENE_ARGUMENTS, __global PathState *paths, uint base, ulong sample) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
-  PathState path = path_begin(&scene, pixel.x, pixel.y, key_of(settings, pixel, sample));
+  const Sampler sampler = sampler_of(settings, pixel, sample);
+  PathState path = path_begin(&scene, pixel.x, pixel.y, &sampler);
   if (!pixel.inside) path.alive = 0;
   paths[get_global_id(0)] = path;
 }
@@ -29,22 +30,24 @@ STAGE shade(SCENE_ARGUMENTS, __global PathState *paths, __global const Hit *hits
             ulong sample) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
+  const Sampler sampler = sampler_of(settings, pixel, sample);
   PathState path = paths[get_global_id(0)];
   if (!path.alive) {
     shadows[get_global_id(0)].contribution = pack3((float3)(0.0f));
     return;
   }
-  shadows[get_global_id(0)] = path_shade(&scene, &path, hits[get_global_id(0)], key_of(settings, pixel, sample));
+  shadows[get_global_id(0)] = path_shade(&scene, &path, hits[get_global_id(0)], &sampler);
   paths[get_global_id(0)] = path;
 }
 
 STAGE shadow_rays(SCENE_ARGUMENTS, __global PathState *paths, __global const ShadowRay *shadows, uint base, ulong sample) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
+  const Sampler sampler = sampler_of(settings, pixel, sample);
   ShadowRay shadow = shadows[get_global_id(0)];
   if (!path_has_shadow_ray(&shadow)) return;
   PathState path = paths[get_global_id(0)];
-  path_add_light(&path, &shadow, path_visibility(&scene, &shadow, key_of(settings, pixel, sample)));
+  path_add_light(&path, &shadow, path_visibility(&scene, &shadow, &sampler));
   paths[get_global_id(0)] = path;
 }
 

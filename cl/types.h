@@ -213,7 +213,8 @@ typedef struct Settings {
 #define FILM_MOMENT_FRACTION_BITS 38  // half the bits of a film product below 2^film_exponent
 #define FILM_SQUARE_FRACTION_BITS 36  // the same of a replica's square, see FilmErrors
 #define FILM_HEADROOM_BITS 40         // a sample of 2^(film_exponent + this) or more is rejected and counted
-#define REPLICA_SAMPLES 16            // a power of two
+#define REPLICA_BITS 4                // docs/decisions/sampler.md: why so many
+#define REPLICA_SAMPLES (1 << REPLICA_BITS)
 
 // Exact sums: 128-bit two's complement integers, least significant limb first. Integer addition is associative, so the film
 // depends only on the set of samples, not on their order. See docs/decisions/.

@@ -246,6 +246,7 @@ void set_settings(Scene& scene, const World& world) {
   const WorldFilm& film = world.film;
   Settings& s = scene.settings;
   s.seed = world.seed;
+  s.sampler = world.sampler;
   s.film_width = film.width;
   s.film_height = film.height;
   s.crop_x = film.crop_x;
@@ -292,6 +293,7 @@ Features features_of(const Scene& scene, const World& world) {
   constexpr Features SEEN_LIGHTS = FEATURE_TRIANGLE_LIGHTS | FEATURE_QUADRIC_LIGHTS | FEATURE_CONSTANT_LIGHT | FEATURE_ENVIRONMENT_MAP;
   if (world.integrator.hide_emitters && (features & SEEN_LIGHTS)) features |= FEATURE_HIDDEN_EMITTERS;
   if (world.integrator.moments) features |= FEATURE_MOMENTS;
+  if (world.sampler == SAMPLER_SOBOL) features |= FEATURE_SOBOL;
   return features;
 }
 

@@ -123,6 +123,7 @@ struct World {
   WorldIntegrator integrator;
   std::uint64_t samples_per_pixel = 4;
   std::uint64_t seed = 0;
+  SamplerKind sampler = SAMPLER_INDEPENDENT;
   bool keep_uvs = false;              // texture coordinates go to the device even where no texture asks for them
   std::vector<SceneFile> files;       // each that was read, in the order of first reading: the scene file first
   std::vector<std::string> warnings;  // "file:line: ..." one line each

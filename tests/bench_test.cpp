@@ -389,7 +389,7 @@ TEST(bench_test, the_command_writes_a_row_for_every_target_of_the_traversal) {
 
 TEST(bench_test, the_command_refuses_what_it_does_not_know_in_one_line) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
-      {{"bench", "speed"}, "PART 'speed': expected traversal, path, build, start or all"},
+      {{"bench", "speed"}, "PART 'speed': expected traversal, path, build, start, sampler or all"},
       {{"bench", "traversal", "--triangles", "999"}, "--triangles '999': expected a whole number from 1000 to 100000000"},
       {{"bench", "traversal", "--rounds", "0"}, "--rounds '0': expected a whole number from 1 to 1000"},
       {{"bench", "traversal", "--growth", "--triangles", "1000"},

@@ -20,7 +20,7 @@ TEST(command_test, help_goes_to_stdout_and_succeeds) {
 TEST(command_test, help_of_render_lists_every_option) {
   const std::string help = run_oclair({"render", "--help"}).out;
   for (const char* option :
-       {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--fresnel", "--device", "-D,--define"}) {
+       {"SCENE", "-o,--output", "--png", "--spp", "--size", "--seed", "--max-depth", "--fresnel", "--sampler", "--device", "-D,--define"}) {
     EXPECT_NE(help.find(option), std::string::npos) << option;
   }
 }
@@ -72,6 +72,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "--fresnel", "fast"}, "--fresnel 'fast': expected exact or schlick"},
       {{"render", "a.xml", "--fresnel"}, "--fresnel"},
       {{"render", "a.xml", "--kernels", "all"}, "--kernels 'all': expected shared or exact"},
+      {{"render", "a.xml", "--sampler", "halton"}, "--sampler 'halton': expected independent or sobol"},
       {{"render", "a.xml", "--size", "512"}, "--size '512': " + size},
       {{"render", "a.xml", "--size", "0x512"}, "--size '0x512': " + size},
       {{"render", "a.xml", "--size", "512x65537"}, "--size '512x65537': " + size},

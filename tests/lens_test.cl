@@ -14,5 +14,6 @@ __kernel void samples(uint count, __global const Camera *camera, __global const 
   size_t i = get_global_id(0);
   if (i >= count) return;
   Scene scene = {.camera = camera, .settings = settings, .filter = filter};
-  result[i] = camera_sample(&scene, x, y, rng_key(settings->seed, y * settings->film_width + x, i));
+  const Sampler sampler = sampler_begin(settings, y * settings->film_width + x, i);
+  result[i] = camera_sample(&scene, x, y, &sampler);
 }

@@ -22,5 +22,5 @@ __kernel void draw(uint count, __global const ulong *keys, __global const uint *
   size_t i = get_global_id(0);
   if (i >= count) return;
   bits[i] = rng_bits(keys[i], dimension[i]);
-  point[i] = rng_2d(keys[i], dimension[i]);
+  point[i] = rng_point(bits[i]);
 }

@@ -54,7 +54,7 @@ __kernel void walk(uint count, __global const BvhNode *nodes, __global const Tri
     Hit hit = traverse_closest(&scene, &ray);
     if (hit.primitive == NONE) break;
     Surface s = surface_from_hit(&scene, &ray, hit);
-    float3 w = renormalize(frame_to_world(s.frame, warp_cosine_hemisphere(rng_2d(key, n))));
+    float3 w = renormalize(frame_to_world(s.frame, warp_cosine_hemisphere(rng_point(rng_bits(key, n)))));
     ray.origin = pack3(surface_offset(s.position, s.error, s.geometric, w));
     ray.direction = pack3(w);
     ray.skip = hit.primitive;

@@ -24,5 +24,6 @@ void bench_growth(const Options& options, Table& table);  // the cost of a ray o
 void bench_path(const Options& options, Table& table);
 void bench_build(const Options& options, Table& table);
 void bench_start(const Options& options, Table& table);
+void bench_sampler(const Options& options, Table& table);
 
 }  // namespace oclair::bench

@@ -20,12 +20,12 @@ struct BenchOptions {
   bool growth = false;
 };
 
-constexpr const char* parts[] = {"traversal", "path", "build", "start", "all"};
+constexpr const char* parts[] = {"traversal", "path", "build", "start", "sampler", "all"};
 
 void check_part(const std::string& part) {
   for (const char* known : parts)
     if (part == known) return;
-  throw Error(Exit::usage, "PART '" + part + "': expected traversal, path, build, start or all");
+  throw Error(Exit::usage, "PART '" + part + "': expected traversal, path, build, start, sampler or all");
 }
 
 Exit run(const BenchOptions& options) {
@@ -58,6 +58,7 @@ Exit run(const BenchOptions& options) {
   run_part("path", bench::bench_path);
   run_part("build", bench::bench_build);
   run_part("start", bench::bench_start);
+  run_part("sampler", bench::bench_sampler);
   if (all && !options.measurement.scene && !options.measurement.triangles) table.print_targets();
   return Exit::success;
 }
@@ -67,7 +68,7 @@ Exit run(const BenchOptions& options) {
 Command bench_command(CLI::App& program) {
   const auto options = std::make_shared<BenchOptions>();
   CLI::App& line = *program.add_subcommand("bench", "Measures speed, beside Embree where it can be compared");
-  line.add_option("PART", options->part, "traversal, path, build, start or all (default)");
+  line.add_option("PART", options->part, "traversal, path, build, start, sampler or all (default)");
   add_scene(line, options->measurement.scene, options->measurement.definitions);
   line.add_option_function<std::string>(
           "--triangles",

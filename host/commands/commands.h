@@ -29,6 +29,7 @@ struct RenderOptions {
   std::optional<glm::uvec2> size;
   std::optional<std::uint64_t> seed;
   std::optional<unsigned> max_depth;
+  std::optional<SamplerKind> sampler;
   Approximations approximations = 0;
   bool exact_kernel = false;
   Aovs aovs;

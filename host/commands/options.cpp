@@ -91,6 +91,10 @@ Aovs aovs(const std::string& option, const std::string& given) {
     begin = end + 1;
   }
   return wanted;
+SamplerKind sampler(const std::string& option, const std::string& given) {
+  if (given == "independent") return SAMPLER_INDEPENDENT;
+  if (given == "sobol") return SAMPLER_SOBOL;
+  refuse(option, given, "independent or sobol");
 }
 
 glm::uvec2 film_size(const std::string& option, const std::string& given) {

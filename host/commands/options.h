@@ -16,6 +16,7 @@ std::uint64_t whole_number(const std::string& option, const std::string& given, 
 Approximations fresnel(const std::string& option, const std::string& given);  // exact or schlick
 bool exact_kernel(const std::string& option, const std::string& given);  // shared or exact
 Aovs aovs(const std::string& option, const std::string& given);  // names joined by commas
+SamplerKind sampler(const std::string& option, const std::string& given);     // independent or sobol
 glm::uvec2 film_size(const std::string& option, const std::string& given);  // WIDTHxHEIGHT
 
 }  // namespace oclair

@@ -1,0 +1,36 @@
+// Owen-scrambled Sobol points: 2^REPLICA_BITS points of the unit square such that each rectangle of that part of its area whose sides are
+// dyadic intervals holds exactly one of them, (0, m, 2)-nets (Sobol 1967; Niederreiter 1992), randomised so that each point is uniform
+// (Owen 1995). As in Burley 2020, "Practical Hash-based Owen Scrambling", every pair of dimensions has a net of its own in an order of its
+// own. With so few points a scrambling is not hashed digit by digit: it is a binary tree of random bits, which fits a word.
+#ifndef OCLAIR_SOBOL_H
+#define OCLAIR_SOBOL_H
+
+#include "vector.h"
+
+// Owen's scrambling of m = REPLICA_BITS binary digits, the first one highest: a digit is flipped or not by a bit for the digits before it.
+// Bit 1 of the tree is for the first digit, bits 2 and 3 for the second one, and so on; the lowest 2^m bits of the word are read.
+INLINE uint sobol_scramble(uint digits, uint tree) {
+  uint flips = 0;
+  for (uint level = 0; level < REPLICA_BITS; ++level)
+    flips = flips << 1 | (tree >> ((digits | REPLICA_SAMPLES) >> (REPLICA_BITS - level)) & 1u);
+  return digits ^ flips;
+}
+
+// The first m digits of both coordinates of point `index` < 2^m: van der Corput's sequence, and the one whose matrix is Pascal's triangle.
+INLINE uint2 sobol_digits(uint index) {
+  uint2 digits = (uint2)(0u);
+  uint2 column = (uint2)(REPLICA_SAMPLES / 2);
+  for (uint bit = 0; bit < REPLICA_BITS; ++bit) {
+    digits ^= (index >> bit & 1u) ? column : (uint2)(0u);
+    column = (uint2)(column.x >> 1, column.y ^ (column.y >> 1));
+  }
+  return digits;
+}
+
+// Point `index` of the net that 48 random bits choose: the order and both coordinates are scrambled. m digits of each coordinate.
+INLINE uint2 sobol_point(uint index, ulong trees) {
+  uint2 digits = sobol_digits(sobol_scramble(index, (uint)trees));
+  return (uint2)(sobol_scramble(digits.x, (uint)(trees >> REPLICA_SAMPLES)), sobol_scramble(digits.y, (uint)(trees >> 2 * REPLICA_SAMPLES)));
+}
+
+#endif

@@ -159,7 +159,7 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
       fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(samples));
 }
 
-bool is_sound(const Checkpoint& checkpoint) {
+[[maybe_unused]] bool is_sound(const Checkpoint& checkpoint) {
   const Film& film = checkpoint.film;
   const std::size_t pixels = std::size_t{film.width} * film.height;
   return film.samples == count_samples(checkpoint.ranges) && film.replicas == count_replicas(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&

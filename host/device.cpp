@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cinttypes>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <system_error>
@@ -124,6 +126,13 @@ Device open_device(const std::string& selector) {
 
 Error device_error(const Device& device, const cl::Error& error) {
   return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
+}
+
+std::string kernel_hash() {
+  const std::filesystem::path directory = kernel_directory();
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016" PRIx64, hash(read_text(directory / "path.cl"), hash_of_headers(directory)));
+  return digits;
 }
 
 std::filesystem::path kernel_directory() {

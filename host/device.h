@@ -46,6 +46,9 @@ cl::Program build_program(const Device& device, const std::filesystem::path& sou
 // "NAME: clFunction returned -5", as Exit::device.
 Error device_error(const Device& device, const cl::Error& error);
 
+// Of the source of the kernel that renders: what its samples depend on. 16 hexadecimal digits.
+std::string kernel_hash();
+
 // Where the .cl files are: share/oclair/cl beside the installed program, or else the source tree it was built from.
 std::filesystem::path kernel_directory();
 

@@ -60,6 +60,22 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
   return error;
 }
 
+std::optional<double> image_error(const Film& film) {
+  const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const double count = static_cast<double>(film.pixels.size());
+  std::array<double, 3> image_mean{};
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+    const auto mean = pixel_mean(film, i);
+    for (int c = 0; c < 3; ++c) image_mean[c] += mean[c] / count;
+  }
+  const double floor = 0.01 * square(image_mean);
+  if (!(floor > 0.0)) return std::nullopt;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < film.pixels.size(); ++i)
+    if (const auto error = pixel_standard_error(film, i)) sum += square(*error) / (square(pixel_mean(film, i)) + floor);
+  return film.replicas < 2 ? std::nullopt : std::optional(std::sqrt(sum / count));
+}
+
 double pixel_alpha(const Film& film, std::size_t pixel) {
   const std::uint64_t n = accepted(film, pixel);
   return n > 0 ? static_cast<double>(film.pixels[pixel].hits) / static_cast<double>(n) : 0.0;

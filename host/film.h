@@ -20,6 +20,11 @@ glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel);
 // adds to the mean is left out of it: the error is that of the mean over the complete ones.
 std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std::size_t pixel);
 
+// Standard error of the whole image: the root of the mean over its pixels of |s|^2/(|mu|^2 + 0.01 |m|^2), with s from pixel_standard_error,
+// mu from pixel_mean and m the mean of all mu, |.| over the three channels. It estimates the error that stopping.h defines; nothing
+// with fewer than two complete replicas, or for a black image.
+std::optional<double> image_error(const Film& film);
+
 // Share of the accepted samples that met something, in [0, 1].
 double pixel_alpha(const Film& film, std::size_t pixel);
 

@@ -25,17 +25,6 @@ std::string feature_names(Features features) {
   return names;
 }
 
-// What was asked for at the price of accuracy, on the command line or by the scene's materials.
-std::string approximation_names(const Scene& scene) {
-  std::string names;
-#define APPROXIMATION_NAME(name, bit, description) \
-  if (scene.approximations & APPROXIMATION_##name) append_word(names, description);
-  APPROXIMATION_LIST(APPROXIMATION_NAME)
-#undef APPROXIMATION_NAME
-  if (scene.features & FEATURE_OREN_NAYAR_FAST) append_word(names, "oren_nayar=qualitative");
-  return names.empty() ? "none" : names;
-}
-
 // YYYY:MM:DD hh:mm:ss, the format of the standard attribute capDate.
 std::string date_text(std::int64_t date) {
   const std::time_t seconds = date;
@@ -64,6 +53,16 @@ std::string quoted(std::string_view argument) {
 }
 
 }  // namespace
+
+std::string approximation_names(const Scene& scene) {
+  std::string names;
+#define APPROXIMATION_NAME(name, bit, description) \
+  if (scene.approximations & APPROXIMATION_##name) append_word(names, description);
+  APPROXIMATION_LIST(APPROXIMATION_NAME)
+#undef APPROXIMATION_NAME
+  if (scene.features & FEATURE_OREN_NAYAR_FAST) append_word(names, "oren_nayar=qualitative");
+  return names.empty() ? "none" : names;
+}
 
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device) {
   return {{"software", "oclair " OCLAIR_VERSION},

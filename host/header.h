@@ -25,6 +25,9 @@ struct Origin {
   std::string options;       // those that the image depends on
 };
 
+// What was asked for at the price of accuracy, on the command line or by the scene's materials: "none", or names.
+std::string approximation_names(const Scene& scene);
+
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device);
 
 // What depends on the samples, or on how long they took.

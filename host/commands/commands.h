@@ -12,6 +12,8 @@
 #include "../aov.h"
 #include "../error.h"
 #include "../reader.h"
+#include "../tev.h"
+#include "output.h"
 
 namespace CLI {
 class App;
@@ -24,7 +26,7 @@ struct RenderOptions {
   std::filesystem::path scene;
   Definitions definitions;
   std::string device;                             // name or index as `oclair devices` lists them; empty: the first
-  std::optional<std::filesystem::path> exr, png;  // at least one
+  ImageFiles images;
   std::optional<std::uint64_t> samples_per_pixel;
   std::optional<glm::uvec2> size;
   std::optional<std::uint64_t> seed;
@@ -33,6 +35,16 @@ struct RenderOptions {
   Approximations approximations = 0;
   bool exact_kernel = false;
   Aovs aovs;
+
+  std::optional<SampleRange> samples;        // those of this part of the render
+  std::optional<double> seconds, error;      // limits beside the number of samples
+  double confidence = 0.95;                  // with which the error is below its limit
+  std::filesystem::path checkpoint;
+  bool keep_checkpoint = false;              // also when the render has reached its target
+  double checkpoint_every = 30.0;            // seconds
+  bool resume = false, restart = false;      // go on with the checkpoint that is there, or drop it
+  bool progress_json = false;
+  std::optional<HostPort> viewer;            // tev
 };
 
 struct InfoOptions {

@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <sstream>
+
+#include "../number.h"
+#include "../sample_range.h"
+#include "../schedule.h"
 
 namespace oclair {
 namespace {
@@ -91,10 +96,44 @@ Aovs aovs(const std::string& option, const std::string& given) {
     begin = end + 1;
   }
   return wanted;
+}
+
 SamplerKind sampler(const std::string& option, const std::string& given) {
   if (given == "independent") return SAMPLER_INDEPENDENT;
   if (given == "sobol") return SAMPLER_SOBOL;
   refuse(option, given, "independent or sobol");
+}
+
+double duration(const std::string& option, const std::string& given) {
+  const std::optional<double> seconds = parse_duration(given);
+  if (!seconds) refuse(option, given, "a time such as 90s, 2m or 1.5h, at most 1e9 seconds");
+  return *seconds;
+}
+
+double real_number(const std::string& option, const std::string& given, double above, double below) {
+  const std::optional<double> number = parse_number(given);
+  if (!number || !(*number > above) || !(*number < below)) {
+    std::ostringstream range;
+    range << "a number between " << above << " and " << below;
+    refuse(option, given, range.str());
+  }
+  return *number;
+}
+
+SampleRange sample_range(const std::string& option, const std::string& given) {
+  const std::size_t colon = std::min(given.find(':'), given.size());
+  const auto first = parse_whole_number(std::string_view(given).substr(0, colon));
+  const auto count = parse_whole_number(std::string_view(given).substr(std::min(colon + 1, given.size())));
+  if (!first || !count || *first % REPLICA_SAMPLES != 0 || *first >= MAX_SAMPLES || *count < 1 || *count > MAX_SAMPLES - *first)
+    refuse(option, given, "FIRST:COUNT, FIRST a multiple of " + std::to_string(REPLICA_SAMPLES) + ", COUNT at least 1, both together at most " +
+                              std::to_string(MAX_SAMPLES));
+  return {*first, *count};
+}
+
+bool progress_json(const std::string& option, const std::string& given) {
+  if (given == "text") return false;
+  if (given == "json") return true;
+  refuse(option, given, "text or json");
 }
 
 glm::uvec2 film_size(const std::string& option, const std::string& given) {

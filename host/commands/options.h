@@ -17,6 +17,10 @@ Approximations fresnel(const std::string& option, const std::string& given);  //
 bool exact_kernel(const std::string& option, const std::string& given);  // shared or exact
 Aovs aovs(const std::string& option, const std::string& given);  // names joined by commas
 SamplerKind sampler(const std::string& option, const std::string& given);     // independent or sobol
+double duration(const std::string& option, const std::string& given);         // seconds, of 90s, 2m, 1.5h
+double real_number(const std::string& option, const std::string& given, double above, double below);
+SampleRange sample_range(const std::string& option, const std::string& given);  // FIRST:COUNT, as a part of a render can be
+bool progress_json(const std::string& option, const std::string& given);  // text or json
 glm::uvec2 film_size(const std::string& option, const std::string& given);  // WIDTHxHEIGHT
 
 }  // namespace oclair

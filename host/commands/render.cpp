@@ -1,178 +1,180 @@
 #include <unistd.h>
 
-#include <algorithm>
 #include <iostream>
-#include <limits>
-#include <memory>
 
-#include "../film.h"
-#include "../header.h"
-#include "../image.h"
-#include "../layers.h"
-#include "../progress.h"
-#include "report.h"
-#include "options.h"
+#include "../checkpoint_lock.h"
+#include "../scene_hash.h"
+#include "../signals.h"
+#include "commands.h"
+#include "output.h"
+#include "render_loop.h"
 
 namespace oclair {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What the command line says about the files, before it is known which are written.
-struct Outputs {
-  std::string output;  // empty: the scene's name, here, as EXR
-  bool png = false;
-  std::string png_file;  // empty: beside the EXR
-};
+// Phases as the progress shows them, and how long each took.
+class Phases {
+ public:
+  explicit Phases(Progress& progress) : progress_(progress) {}
 
-// With -o x.png only that is written; --png writes a PNG next to the EXR, or the file that it names.
-void choose_files(const Outputs& outputs, RenderOptions& options) {
-  const fs::path output = outputs.output.empty() ? options.scene.stem() += ".exr" : fs::path(outputs.output);
-  if (output.extension() == ".exr") {
-    options.exr = output;
-    if (outputs.png)
-      options.png = outputs.png_file.empty() ? fs::path(output).replace_extension(".png") : fs::path(outputs.png_file);
-  } else if (output.extension() == ".png") {
-    if (outputs.png)
-      throw Error(Exit::usage, "--output '" + output.string() + "': expected a name in .exr when there is --png");
-    options.png = output;
-  } else {
-    throw Error(Exit::usage, "--output '" + output.string() + "': expected a name in .exr or .png");
+  void begin(const char* phase, std::uint64_t samples_before = 0) {
+    end();
+    progress_.begin(phase, samples_before);
+    seconds_.emplace_back(phase, 0.0);
+    begun_ = steady_seconds();
   }
-  if (options.png && options.png->extension() != ".png") {
-    throw Error(Exit::usage, "--png '" + options.png->string() + "': expected a name in .png");
+  void end() {
+    progress_.end();
+    if (begun_) seconds_.back().second = steady_seconds() - *begun_;
+    begun_.reset();
   }
-}
+  std::vector<std::pair<std::string, double>> seconds() const {
+    auto all = seconds_;
+    if (begun_) all.back().second = steady_seconds() - *begun_;
+    return all;
+  }
+
+ private:
+  Progress& progress_;
+  std::vector<std::pair<std::string, double>> seconds_;
+  std::optional<double> begun_;
+};
 
 void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
   if (options.max_depth) world.integrator.max_depth = *options.max_depth;
+  if (options.sampler) world.sampler = *options.sampler;
   world.keep_uvs = options.aovs.uv;
 }
 
-void render_passes(Renderer& renderer, std::uint64_t samples_per_pixel, Progress& progress) {
-  const std::uint64_t pixels = std::uint64_t{renderer.settings.crop_width} * renderer.settings.crop_height;
-  while (renderer.samples < samples_per_pixel) {
-    // Passes of 1, 1, 2, 4, ... samples: the bar moves soon, then there is little overhead. The film does not depend on the split.
-    const std::uint64_t wanted = std::clamp<std::uint64_t>(renderer.samples, 1, 16);
-    const uint samples = static_cast<uint>(std::min(wanted, samples_per_pixel - renderer.samples));
-    const std::uint64_t before = renderer.samples * pixels;
-    render_pass(renderer, samples, [&](double share) {
-      progress.samples(before + static_cast<std::uint64_t>(share * static_cast<double>(samples * pixels)),
-                       samples_per_pixel * pixels);
-    });
-  }
+// Which samples are wanted. Without --spp, --time and --error are limits by themselves.
+SampleRange wanted_samples(const RenderOptions& options, std::uint64_t samples_of_scene) {
+  if (options.samples) return *options.samples;
+  const bool open = !options.samples_per_pixel && (options.seconds || options.error);
+  return {0, open ? MAX_SAMPLES : samples_of_scene};
 }
 
-void write_images(const RenderOptions& options, const WorldFilm& f, const std::string& moment_name, const Film& film,
-                  const std::vector<Layer>& layers, const ImageAttributes& attributes) {
-  if (options.exr) {
-    write_exr(*options.exr, {f.width, f.height, f.crop_x, f.crop_y, f.crop_width, f.crop_height},
-              parts_of(film, f.pixel_format, moment_name, layers), attributes);
-  }
-  if (options.png) {
-    const std::vector<float> rgb = rgb_of(film);
-    const std::span<const float> values(rgb);
-    write_png(*options.png, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-  }
+// All on which the samples depend, beside the size of the film, which the film itself tells.
+Identity identity_of(const Scene& scene, const std::string& hash) {
+  const Settings& settings = scene.settings;
+  return {{"program", OCLAIR_VERSION},
+          {"kernels", kernel_hash()},
+          {"scene", hash},
+          {"seed", std::to_string(settings.seed)},
+          {"sampler", settings.sampler == SAMPLER_SOBOL ? "sobol" : "independent"},
+          {"max depth", std::to_string(settings.max_depth)},
+          {"approximations", approximation_names(scene)}};
+}
+
+// Where an earlier run of the same render ended.
+void resume(const fs::path& path, const SampleRange& wanted, const Checkpoint& state, Renderer& renderer) {
+  const Checkpoint earlier = read_checkpoint(path);
+  require_same(state.identity, earlier.identity, path.string());
+  const SampleRange& range = earlier.ranges.front();
+  if (earlier.ranges.size() > 1)
+    throw Error(Exit::usage, path.string() + ": has been merged from several ranges of samples, expected one range");
+  if (range.first != wanted.first)
+    throw Error(Exit::usage, path.string() + ": its samples begin at " + std::to_string(range.first) + ", expected " +
+                                 std::to_string(wanted.first));
+  if (range.count > wanted.count)
+    throw Error(Exit::usage, path.string() + ": holds " + std::to_string(range.count) + " samples per pixel, expected at most the " +
+                                 std::to_string(wanted.count) + " that are wanted");
+  restore_film(renderer, earlier.film);
+}
+
+// What was asked for has been reached: the error, or else the samples, or else the time.
+bool reached(const RenderOptions& options, Stop stop) {
+  if (stop == Stop::signal) return false;
+  if (options.error) return stop == Stop::error;
+  if (options.samples || options.samples_per_pixel || !options.seconds) return stop == Stop::samples;
+  return true;
 }
 
 }  // namespace
 
 Exit render(const RenderOptions& options) {
-  const std::optional<std::int64_t> date = reproducible_date();
-  if (options.exr) require_writable(*options.exr);
-  if (options.png) require_writable(*options.png);
+  const double started = steady_seconds();
+  const SignalHandlers handlers;
+  reproducible_date();  // wrong ones are refused now
+  require_writable(options.images);
+  const CheckpointLock lock(options.checkpoint);
+  const bool resumes = options.resume && fs::exists(options.checkpoint);
+  if (!options.resume && !options.restart && fs::exists(options.checkpoint))
+    throw Error(Exit::usage, options.checkpoint.string() +
+                                 ": is there from an earlier render, expected --resume to go on with it or --restart to drop it");
+  require_writable(options.checkpoint);
   const Device device = open_device(options.device);
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const ReadOptions reading{options.size, [&](const char* phase) { progress.begin(phase); }};
+  Progress progress =
+      options.progress_json ? Progress::json(std::cerr) : Progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  Phases phases(progress);
+
+  const ReadOptions reading{options.size, [&](const char* phase) { phases.begin(phase); }};
   World world = read_scene(options.scene, options.definitions, reading);
-  progress.end();
-  print_warnings(world, std::cerr);
+  phases.end();
+  for (const std::string& warning : world.warnings) progress.warning(warning);
   apply(options, world);
-  progress.begin("BVH");
-  const WorldFilm window = world.film;
-  const std::string moment_name = world.integrator.moment_name;
-  const std::uint64_t samples_per_pixel = world.samples_per_pixel;
+  const SampleRange wanted = wanted_samples(options, world.samples_per_pixel);
+  const std::string hash = scene_hash(world, options.definitions);
+  Checkpoint state;
+  state.head.film = world.film;
+  state.head.moment_name = world.integrator.moment_name;
+
+  phases.begin("BVH");
   Scene scene = place_scene(std::move(world));
   // What the scene has no use for is neither compiled nor recorded.
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
   scene.exact_kernel = options.exact_kernel;
+  state.identity = identity_of(scene, hash);
+  state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), "maxDepth=" + std::to_string(scene.settings.max_depth)}, scene, device);
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   scene.positions = {};
   scene.triangles = {};
-  progress.begin("kernels");
-  Renderer renderer = start_render(device, scene, bvh);
-  progress.begin("passes");
-  render_passes(renderer, samples_per_pixel, progress);
-  std::vector<Layer> layers;
-  if (options.exr && options.aovs.any()) {
-    progress.begin("layers");
-    layers = render_aovs(renderer, scene, bvh, options.aovs);
-  }
-  progress.begin("write");
-  const Film film = read_film(renderer);
-  const std::uint64_t rejected = rejected_samples(film);
-  const Origin origin{options.scene.filename().string(), "", command_line(), ""};
-  Figures figures;
-  figures.ranges = {{0, samples_per_pixel}};
-  figures.rejected = rejected;
-  write_images(options, window, moment_name, film, layers,
-               header_attributes(header_texts(origin, scene, device), figures, date));
-  progress.end();  // ends its line first: on a terminal both streams are one
-  for (const auto& written : {options.exr, options.png})
-    if (written) std::cout << written->string() << "\n";
-  if (rejected > 0)
-    std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";
-  return Exit::success;
-}
 
-Command render_command(CLI::App& program) {
-  constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
-  constexpr std::uint64_t most_samples = std::uint64_t{1} << 33;  // what rng_key and the film's sums can number
-  const auto options = std::make_shared<RenderOptions>();
-  const auto outputs = std::make_shared<Outputs>();
-  CLI::App& line = *program.add_subcommand("render", "Renders a scene to an image file");
-  add_scene(line, options->scene, options->definitions);
-  line.add_option("-o,--output", outputs->output,
-                  "image to write: .exr, or .png alone; default: the scene's name, here, in .exr")
-      ->type_name("FILE");
-  line.add_option("--png", outputs->png_file, "write a PNG too; without a name: beside the EXR")
-      ->type_name("[FILE]")
-      ->expected(0, 1);
-  const auto number = [&line](const char* name, std::uint64_t least, std::uint64_t most, const char* description,
-                              auto store) {
-    line.add_option_function<std::string>(
-            name, [=](const std::string& given) { store(whole_number(name, given, least, most)); }, description)
-        ->type_name("N");
+  phases.begin("kernels");
+  Renderer renderer = start_render(device, scene, bvh);
+  renderer.first_sample = wanted.first;
+  if (options.images.exr && options.aovs.any()) {
+    phases.begin("layers");
+    state.layers = render_aovs(renderer, scene, bvh, options.aovs);
+  }
+  if (resumes) resume(options.checkpoint, wanted, state, renderer);
+
+  phases.begin("passes", renderer.samples * scene.settings.crop_width * scene.settings.crop_height);
+  std::optional<TevClient> viewer;
+  if (options.viewer) viewer.emplace(*options.viewer);
+  OnTheWay way;
+  way.write_picture = [&](const Checkpoint& now) { write_images(options.images, now, {"", phases.seconds()}); };
+  way.write_checkpoint = [&](const Checkpoint& now) {
+    write_checkpoint(options.checkpoint, now);
+    progress.wrote_checkpoint(options.checkpoint.string());
   };
-  number("--spp", 1, most_samples, "samples per pixel", [options](std::uint64_t n) { options->samples_per_pixel = n; });
-  number("--seed", 0, any, "seed of the random numbers", [options](std::uint64_t n) { options->seed = n; });
-  number("--max-depth", 0, std::numeric_limits<unsigned>::max(), "longest path, in segments; 1: directly visible light only",
-         [options](std::uint64_t n) { options->max_depth = static_cast<unsigned>(n); });
-  line.add_option_function<std::string>(
-          "--size", [options](const std::string& given) { options->size = film_size("--size", given); }, "film in pixels")
-      ->type_name("WIDTHxHEIGHT");
-  line.add_option_function<std::string>(
-          "--fresnel", [options](const std::string& given) { options->approximations = fresnel("--fresnel", given); },
-          "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact")
-      ->type_name("exact|schlick");
-  line.add_option_function<std::string>(
-          "--kernels", [options](const std::string& given) { options->exact_kernel = exact_kernel("--kernels", given); },
-          "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared")
-      ->type_name("shared|exact");
-  line.add_option_function<std::string>(
-          "--aov", [options](const std::string& given) { options->aovs = aovs("--aov", given); },
-          "further layers of the EXR: albedo, normal, depth, uv, primitive")
-      ->type_name("NAME,...");
-  add_device(line, options->device);
-  return {&line, [&line, options, outputs] {
-            outputs->png = line.count("--png") > 0;
-            choose_files(*outputs, *options);
-            return render(*options);
-          }};
+  way.checkpoint_every = options.checkpoint_every;
+  way.viewer = viewer ? &*viewer : nullptr;
+  const Limits limits{wanted.count, options.seconds, options.error, options.confidence};
+  const Stop stop = render_until(limits, renderer, state, way, progress, started);
+  if (renderer.samples == 0)
+    throw Error(Exit::stopped, "stopped by a signal before the first sample: nothing is written");
+
+  phases.begin("write");
+  take_film(renderer, state);
+  const bool done = reached(options, stop);
+  // One that nobody asked for has served when the image is there.
+  const bool keeps = options.keep_checkpoint || !done;
+  if (keeps) way.write_checkpoint(state);
+  write_images(options.images, state, {std::string(name_of(stop)), phases.seconds()});
+  if (!keeps) fs::remove(options.checkpoint);
+  phases.end();
+  if (const std::string warning = film_warning(state.film); !warning.empty()) progress.warning(warning);
+  for (const auto& file : {options.images.exr, options.images.png})
+    if (file) progress.wrote_file(file->string());
+  print_files(options.images);
+  const Exit exit = done ? Exit::success : Exit::stopped;
+  progress.finish(std::string(name_of(stop)), static_cast<int>(exit));
+  return exit;
 }
 
 }  // namespace oclair

@@ -1,0 +1,33 @@
+// The images of a render, from a film with what its header says: for render and for merge.
+#pragma once
+
+#include <optional>
+
+#include "../checkpoint.h"
+#include "../header.h"
+
+namespace oclair {
+
+struct ImageFiles {
+  std::optional<std::filesystem::path> exr, png;  // at least one
+};
+
+// What of the header depends on the run, not on the samples.
+struct RunFigures {
+  std::string stopped;  // which limit ended it; empty: none yet
+  std::vector<std::pair<std::string, double>> seconds;  // of each phase
+};
+
+// Throws if one of them could not be written now.
+void require_writable(const ImageFiles& files);
+
+// Each is replaced as a whole. Throws Error(Exit::render_failed).
+void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const RunFigures& run);
+
+// For standard output: the names, a line each.
+void print_files(const ImageFiles& files);
+
+// What the user must know of the samples; empty: nothing.
+std::string film_warning(const Film& film);
+
+}  // namespace oclair

@@ -8,8 +8,9 @@
 
 namespace oclair {
 
-// The file that is written until commit() gives it its name; without a commit it is removed. A target that is a link stays one:
-// what it points to is replaced.
+// The file that is written until commit() gives it its name; without a commit nothing of it stays. Where the file system can (not
+// NFS), it has no name at all until then, so that even a killed process leaves nothing; elsewhere it is called
+// TARGET.PROCESS.part. A target that is a link stays one: what it points to is replaced.
 class FileAside {
  public:
   explicit FileAside(const std::filesystem::path& path);
@@ -25,9 +26,12 @@ class FileAside {
   [[noreturn]] void fail_to_write(int error) const;
 
  private:
-  std::filesystem::path path_, target_, aside_;
+  friend void require_writable(const std::filesystem::path& path);
+  void take_name();
+
+  std::filesystem::path path_, target_;
+  std::filesystem::path aside_;  // empty while the file has no name
   std::FILE* file_ = nullptr;
-  bool committed_ = false;
 };
 
 // Throws if the file could not be written now; for a failure before a long render instead of after it.

@@ -1,8 +1,5 @@
 #include <gtest/gtest.h>
 #include <png.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -13,6 +10,7 @@
 #include "../host/error.h"
 #include "../host/image.h"
 #include "exr_reader.h"
+#include "faults.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -81,25 +79,6 @@ std::string message_of_failure(Writer write, const fs::path& path) {
   ADD_FAILURE() << path << " was written";
   return "";
 }
-
-// While it lives no file of this process can grow beyond some bytes: a full disk, without its errno.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit = {bytes, before_.rlim_max};
-    handler_ = signal(SIGXFSZ, SIG_IGN);
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_;
-  sighandler_t handler_;
-};
 
 std::vector<std::uint8_t> read_png(const fs::path& path) {
   png_image image{};
@@ -255,7 +234,7 @@ TEST(image_file_test, a_disk_without_room_keeps_the_old_file_and_no_partial_one)
     const auto whole = static_cast<rlim_t>(fs::file_size(directory / "a"));
     for (const rlim_t limit : {rlim_t{0}, rlim_t{1}, rlim_t{100}, rlim_t{5000}, whole / 2, whole - 1}) {
       put(directory / "a", "old");
-      const FileSizeLimit full(limit);
+      const test::FileSizeLimit full(limit);
       const std::string message = message_of_failure(write, directory / "a");
       EXPECT_NE(message.find("a: cannot be written: "), std::string::npos) << message;
       EXPECT_NE(message.find("expected room"), std::string::npos) << message;
@@ -280,10 +259,9 @@ TEST(image_file_test, a_target_that_cannot_be_a_file_is_refused_and_untouched) {
 }
 
 TEST(image_file_test, a_directory_without_permission_is_refused) {
-  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
   const TemporaryDirectory directory;
   fs::create_directory(directory / "locked");
-  fs::permissions(directory / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+  const test::ReadOnlyDirectory locked(directory / "locked");
   for (const Writer write : {write_noise_exr, write_noise_png, Writer(require_writable)}) {
     EXPECT_NE(message_of_failure(write, directory / "locked/a").find("cannot be created"), std::string::npos);
   }

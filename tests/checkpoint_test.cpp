@@ -11,6 +11,7 @@
 #include "../host/error.h"
 #include "../host/xxh3.h"
 #include "checkpoint_cases.h"
+#include "faults.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -239,6 +240,51 @@ TEST_F(checkpoint_test, a_head_changed_at_random_is_read_or_refused) {
   }
   EXPECT_GT(refused, 750);   // most places matter
   EXPECT_LT(refused, 1500);  // a name of an entry does not
+}
+
+// What the attempt to write another checkpoint to the path is refused with.
+std::string failure_to_write(const fs::path& path) {
+  try {
+    write_checkpoint(path, random_checkpoint({{0, 16}}, 9));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit, Exit::render_failed);
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(checkpoint_test, a_disk_without_room_keeps_the_previous_checkpoint) {
+  for (const std::size_t room : {std::size_t{0}, std::size_t{1}, std::size_t{100}, bytes.size() / 2, bytes.size() - 100}) {
+    std::string message;
+    {
+      const FileSizeLimit full(room);
+      message = failure_to_write(path);
+    }
+    EXPECT_NE(message.find("a.checkpoint: cannot be written: "), std::string::npos) << message;
+    EXPECT_NE(message.find("expected room"), std::string::npos) << message;
+    EXPECT_EQ(content(path), bytes);
+    EXPECT_EQ(directory.names(), std::vector<std::string>{"a.checkpoint"});
+  }
+}
+
+TEST_F(checkpoint_test, a_directory_that_may_not_be_written_keeps_the_previous_checkpoint) {
+  const fs::path inner = directory / "inner/a.checkpoint";
+  fs::create_directory(inner.parent_path());
+  write_checkpoint(inner, small);
+  {
+    const ReadOnlyDirectory locked(inner.parent_path());
+    EXPECT_NE(failure_to_write(inner).find("a.checkpoint: cannot be created: Permission denied"), std::string::npos);
+  }
+  expect_same(read_checkpoint(inner), small);
+}
+
+TEST_F(checkpoint_test, a_checkpoint_replaced_by_a_directory_is_refused_and_untouched) {
+  fs::remove(path);
+  fs::create_directory(path);
+  put(path / "inside", "kept");
+  EXPECT_NE(failure_to_write(path).find("a.checkpoint: is a directory, expected "), std::string::npos);
+  EXPECT_NE(refusal(path).find("is not a regular file"), std::string::npos);
+  EXPECT_EQ(content(path / "inside"), "kept");
 }
 
 }  // namespace

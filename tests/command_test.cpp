@@ -9,7 +9,7 @@ namespace {
 using Arguments = std::vector<std::string>;
 
 TEST(command_test, help_goes_to_stdout_and_succeeds) {
-  for (const Arguments& arguments : {Arguments{"--help"}, {"render", "--help"}, {"info", "-h"}, {"devices", "--help"}}) {
+  for (const Arguments& arguments : {Arguments{"--help"}, {"render", "--help"}, {"merge", "--help"}, {"info", "-h"}, {"devices", "--help"}}) {
     const ProgramResult result = run_oclair(arguments);
     EXPECT_EQ(result.exit, 0);
     EXPECT_NE(result.out.find("Usage: oclair"), std::string::npos) << result.out;
@@ -57,7 +57,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
   const std::string count = "expected a whole number from 1 to 8589934592";
   const std::string size = "expected WIDTHxHEIGHT, both from 1 to 65536";
   const UsageError errors[] = {
-      {{}, "a command is required: render, info, devices or bench"},
+      {{}, "a command is required: render, merge, info, devices or bench"},
       {{"paint"}, "paint"},
       {{"render"}, "SCENE is required"},
       {{"render", "a.xml", "b.xml"}, "b.xml"},
@@ -79,6 +79,9 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "--size", "512x512x3"}, "--size '512x512x3': " + size},
       {{"render", "a.xml", "-o", "a.jpg"}, "--output 'a.jpg': expected a name in .exr or .png"},
       {{"render", "a.xml", "-o", "a"}, "--output 'a': expected a name in .exr or .png"},
+      {{"merge", "-o", "a.exr"}, "CHECKPOINT is required"},
+      {{"merge", "a"}, "merge: expected --output or --checkpoint"},
+      {{"merge", "a", "-o", "a.jpg"}, "--output 'a.jpg': expected a name in .exr or .png"},
       {{"render", "a.xml", "-o", "a.png", "--png"}, "--output 'a.png': expected a name in .exr when there is --png"},
       {{"render", "a.xml", "--png", "a.exr"}, "--png 'a.exr': expected a name in .png"},
       {{"render", "a.xml", "-D", "spp"}, "-D 'spp': expected NAME=VALUE"},

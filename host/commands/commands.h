@@ -64,6 +64,7 @@ struct Command {
 };
 
 Command render_command(CLI::App& program);
+Command merge_command(CLI::App& program);
 Command info_command(CLI::App& program);
 Command devices_command(CLI::App& program);
 Command bench_command(CLI::App& program);

@@ -1,0 +1,123 @@
+// `oclair merge`: from the checkpoints of parts to one file.
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "../host/checkpoint_lock.h"
+#include "checkpoint_cases.h"
+#include "exr_reader.h"
+#include "program.h"
+#include "temporary_directory.h"
+
+namespace {
+
+using namespace oclair;
+using namespace oclair::test;
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void put(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+class merge_command_test : public testing::Test {
+ protected:
+  merge_command_test() {
+    write_checkpoint(a, first);
+    write_checkpoint(b, second);
+  }
+
+  ProgramResult merge_them(std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"merge", a, b};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_oclair(arguments);
+  }
+
+  void expect_refused(const ProgramResult& result, const std::vector<std::string>& parts) const {
+    EXPECT_EQ(result.exit, 1);
+    EXPECT_EQ(result.out, "");
+    for (const std::string& part : parts) EXPECT_TRUE(contains(result.err, part)) << part << " is missing in:\n" << result.err;
+    EXPECT_FALSE(fs::exists(image));
+  }
+
+  const TemporaryDirectory directory;
+  const std::string a = directory / "a.checkpoint", b = directory / "b.checkpoint";
+  const fs::path image = directory / "image.exr", joined_file = directory / "joined.checkpoint";
+  const Checkpoint first = random_checkpoint({{0, 32}}, 1), second = random_checkpoint({{32, 20}}, 2);
+};
+
+TEST_F(merge_command_test, the_checkpoint_of_the_parts_is_that_of_all_samples) {
+  const ProgramResult result = merge_them({"--checkpoint", joined_file.string()});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_EQ(result.out, joined_file.string() + "\n");
+  expect_same(read_checkpoint(joined_file), merge({first, second}));
+  EXPECT_EQ(directory.names().size(), 3u);
+}
+
+TEST_F(merge_command_test, the_image_of_the_parts_is_that_of_their_joined_checkpoint) {
+  EXPECT_EQ(merge_them({"-o", image.string(), "--checkpoint", joined_file.string()}).exit, 0);
+  const std::string expected = content(image);
+  const ExrFile exr = read_exr(image);
+  EXPECT_EQ(std::get<std::string>(exr.attributes.at("samplesPerPixel")), "52");
+  EXPECT_EQ(std::get<std::string>(exr.attributes.at("software")), "oclair");  // from the checkpoint
+  EXPECT_EQ(exr.window.crop_x, 2u);
+  EXPECT_EQ(exr.window.film_height, 7u);
+  fs::remove(image);
+  EXPECT_EQ(run_oclair({"merge", joined_file.string(), "-o", image.string()}).exit, 0);
+  EXPECT_EQ(content(image), expected);
+  EXPECT_EQ(run_oclair({"merge", b, a, "-o", image.string()}).exit, 0);
+  EXPECT_EQ(content(image), expected);
+  const fs::path png = directory / "image.png";
+  EXPECT_EQ(merge_them({"-o", png.string()}).out, png.string() + "\n");
+  EXPECT_TRUE(fs::exists(png));
+}
+
+TEST_F(merge_command_test, a_part_may_become_the_whole) {
+  EXPECT_EQ(merge_them({"--checkpoint", a}).exit, 0);
+  expect_same(read_checkpoint(a), merge({first, second}));
+  EXPECT_EQ(directory.names().size(), 2u);
+}
+
+TEST_F(merge_command_test, the_same_samples_twice_are_refused_with_both_files_and_ranges) {
+  write_checkpoint(b, random_checkpoint({{16, 48}}, 2));
+  expect_refused(merge_them({"-o", image.string()}), {a, b, "0:32", "16:48", "overlap"});
+  expect_refused(run_oclair({"merge", a, a, "-o", image.string()}), {"0:32", "overlap"});
+}
+
+TEST_F(merge_command_test, another_render_is_refused_with_all_that_differs) {
+  Checkpoint other = second;
+  other.identity = {{"scene", "fedcba9876543210"}, {"seed", "8"}};
+  write_checkpoint(b, other);
+  expect_refused(merge_them({"-o", image.string()}),
+                 {b + ": is of another render", "scene is fedcba9876543210, expected 0123456789abcdef", "seed is 8, expected 7"});
+}
+
+TEST_F(merge_command_test, a_damaged_part_is_refused_and_what_was_there_is_kept) {
+  const std::string whole = content(b);
+  std::string changed = whole;
+  changed[changed.size() - 10] ^= 1;
+  put(b, changed);
+  expect_refused(merge_them({"-o", image.string()}), {b + ": its array albedo.R is damaged"});
+  put(joined_file, "old");
+  put(b, whole.substr(0, whole.size() / 2));
+  expect_refused(merge_them({"--checkpoint", joined_file.string()}), {b + ": was cut short"});
+  EXPECT_EQ(content(joined_file), "old");
+  expect_refused(run_oclair({"merge", a, directory / "none", "-o", image.string()}), {"none: cannot be read: No such file"});
+}
+
+TEST_F(merge_command_test, a_checkpoint_that_a_render_writes_is_left_to_it) {
+  const CheckpointLock lock(joined_file);
+  expect_refused(merge_them({"--checkpoint", joined_file.string()}), {"joined.checkpoint: is being written by process"});
+  EXPECT_FALSE(fs::exists(joined_file));
+}
+
+TEST_F(merge_command_test, a_target_that_is_a_directory_is_refused) {
+  fs::create_directory(joined_file);
+  expect_refused(merge_them({"--checkpoint", joined_file.string()}), {"joined.checkpoint: is a directory"});
+}
+
+}  // namespace

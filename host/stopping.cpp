@@ -93,7 +93,7 @@ void ErrorMonitor::set_weights(const Film& film) {
   const double count = static_cast<double>(pixels_.size());
   std::array<double, 3> mean{};
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const auto pixel = pixel_mean(film, i);
+    const auto pixel = known_mean(film, i);
     for (int c = 0; c < 3; ++c) mean[c] += pixel[c] / count;
   }
   const double floor = floor_share * square(mean);
@@ -101,12 +101,20 @@ void ErrorMonitor::set_weights(const Film& film) {
   variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
-    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(pixel_mean(film, i)) + floor));
+    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(known_mean(film, i)) + floor));
     const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
   }
+}
+
+// The pixel's mean, from the sums that take_block left.
+std::array<double, 3> ErrorMonitor::known_mean(const Film& film, std::size_t i) const {
+  const double accepted = static_cast<double>(film.samples - film.pixels[i].rejected);
+  std::array<double, 3> mean{};
+  for (int c = 0; c < 3 && accepted > 0.0; ++c) mean[c] = pixels_[i].sum[c] / accepted;
+  return mean;
 }
 
 // The mean of the pixel's samples since the last film; 0 if all were left out.

@@ -47,6 +47,7 @@ class ErrorMonitor {
   void rebase(const Film& film);
   void set_weights(const Film& film);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
+  std::array<double, 3> known_mean(const Film& film, std::size_t pixel) const;
   std::uint64_t pairs_needed() const;
   double burst_share() const;
 

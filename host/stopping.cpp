@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "film.h"
-
 namespace oclair {
 namespace {
 
@@ -59,14 +57,15 @@ void ErrorMonitor::add(const Film& film) {
   const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
   std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
   double y = 0.0;
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    auto difference = take_block(film, i);
-    for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
-    const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
-    if (!black_) pixels_[i].variance_sum += variance;
-    y += weighted;
-    cells[i / film.width / cell_side * row_of_cells + i % film.width / cell_side] += weighted;
-  }
+  for (std::size_t row = 0, i = 0; row < film.height; ++row)
+    for (std::size_t column = 0; column < film.width; ++column, ++i) {
+      auto difference = take_block(film, i);
+      for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
+      const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+      if (!black_) pixels_[i].variance_sum += variance;
+      y += weighted;
+      cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
+    }
   if (!black_) {
     const double count = static_cast<double>(pixels_.size());
     y /= count;
@@ -93,7 +92,7 @@ void ErrorMonitor::set_weights(const Film& film) {
   const double count = static_cast<double>(pixels_.size());
   std::array<double, 3> mean{};
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const auto pixel = pixel_mean(film, i);
+    const auto pixel = known_mean(film, i);
     for (int c = 0; c < 3; ++c) mean[c] += pixel[c] / count;
   }
   const double floor = floor_share * square(mean);
@@ -101,7 +100,7 @@ void ErrorMonitor::set_weights(const Film& film) {
   variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
-    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(pixel_mean(film, i)) + floor));
+    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(known_mean(film, i)) + floor));
     const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
@@ -109,16 +108,25 @@ void ErrorMonitor::set_weights(const Film& film) {
   }
 }
 
+// The pixel's mean, from the sums that take_block left.
+std::array<double, 3> ErrorMonitor::known_mean(const Film& film, std::size_t i) const {
+  const double accepted = static_cast<double>(film.samples - film.pixels[i].rejected);
+  std::array<double, 3> mean{};
+  for (int c = 0; c < 3 && accepted > 0.0; ++c) mean[c] = pixels_[i].sum[c] / accepted;
+  return mean;
+}
+
 // The mean of the pixel's samples since the last film; 0 if all were left out.
 std::array<double, 3> ErrorMonitor::take_block(const Film& film, std::size_t i) {
   Pixel& pixel = pixels_[i];
   const std::uint64_t rejected = film.pixels[i].rejected;
-  const double accepted = static_cast<double>(film.samples - rejected);
   const double taken = static_cast<double>((film.samples - samples_) - (rejected - pixel.rejected));
-  const auto mean = pixel_mean(film, i);
+  // Rounded twice to double, which is finer than the sums need here, and quicker than pixel_mean.
+  const double unit = std::ldexp(1.0, film.exponent - FILM_FRACTION_BITS);
   std::array<double, 3> block{};
   for (int c = 0; c < 3; ++c) {
-    const double sum = mean[c] * accepted;
+    const ulong* const limbs = film.pixels[i].sum[c];
+    const double sum = unit * (0x1p64 * static_cast<double>(limbs[1]) + static_cast<double>(limbs[0]));
     if (taken > 0.0) block[c] = (sum - pixel.sum[c]) / taken;
     pixel.sum[c] = sum;
   }

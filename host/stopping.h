@@ -20,7 +20,7 @@ namespace oclair {
 class ErrorMonitor {
  public:
   // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
-  static constexpr std::uint64_t usual_block = 16;
+  static constexpr std::uint64_t usual_block = REPLICA_SAMPLES;
 
   // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
   ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
@@ -47,6 +47,7 @@ class ErrorMonitor {
   void rebase(const Film& film);
   void set_weights(const Film& film);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
+  std::array<double, 3> known_mean(const Film& film, std::size_t pixel) const;
   std::uint64_t pairs_needed() const;
   double burst_share() const;
 

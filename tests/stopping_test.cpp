@@ -1,0 +1,227 @@
+#include "../host/stopping.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+#include "random.h"
+#include "synthetic_film.h"
+
+using namespace oclair;
+using namespace oclair::test;
+
+namespace {
+
+constexpr std::uint64_t block = ErrorMonitor::usual_block;
+constexpr std::uint64_t fewest = block * (1 + 2 * 64);  // 8 x 8 pixels: the first block and 64 pairs
+
+struct Render {
+  Film film = empty_film(8, 8);
+  Random random{5};
+
+  // Adds samples whose sum in each pixel and channel is uniform in count * level * (1 +- noise).
+  void samples(std::uint64_t count, double level, double noise, int channels = 7) {
+    for (std::size_t p = 0; p < film.pixels.size(); ++p) {
+      const double sum = static_cast<double>(count) * level * random.between(1.0 - noise, 1.0 + noise);
+      for (int c = 0; c < 3; ++c)
+        if (channels >> c & 1) add_sum(film, p, c, sum);
+    }
+    film.samples += count;
+  }
+};
+
+}  // namespace
+
+// The variance of a block is (noise level)^2 / 3 in every channel; its mean over 64 pixels and 400 pairs is known to 1 / sqrt(25600)
+// times a relative deviation of less than sqrt(2), and the root to half that: 0.5 %; six of those.
+TEST(stopping_test, the_estimate_is_the_root_of_the_relative_variance_of_the_mean) {
+  for (const int channels : {1, 4, 7}) {
+    Render render;
+    ErrorMonitor monitor(0.01, 0.95);
+    for (int i = 0; i <= 800; ++i) {
+      render.samples(block, 3.0, 0.5, channels);
+      monitor.add(render.film);
+    }
+    const double exact = 0.5 / std::sqrt(3.0 * 1.01 * 801.0);  // the floor is 0.01 of the square
+    EXPECT_NEAR(*monitor.estimate(), exact, 0.03 * exact) << channels;
+    EXPECT_GT(*monitor.bound(), *monitor.estimate());
+    EXPECT_LT(*monitor.bound(), 1.4 * exact);
+  }
+}
+
+TEST(stopping_test, a_picture_without_noise_is_certified_after_the_fewest_samples) {
+  Render render;
+  ErrorMonitor monitor(1e-6, 0.999);
+  while (!monitor.certified() && render.film.samples < 2 * fewest) {
+    render.samples(block, 1.0, 0.0);
+    monitor.add(render.film);
+  }
+  EXPECT_EQ(render.film.samples, fewest);
+  EXPECT_EQ(monitor.why_not(), "");
+  EXPECT_LT(*monitor.estimate(), 1e-9);  // float rounding of the first block: 2^-24, over 64 pairs
+}
+
+TEST(stopping_test, nothing_is_said_before_there_is_something_to_say) {
+  Render render;
+  ErrorMonitor monitor(0.1, 0.95);
+  EXPECT_FALSE(monitor.certified());
+  EXPECT_EQ(monitor.estimate(), std::nullopt);
+  monitor.add(render.film);  // no sample
+  for (int i = 0; i < 2; ++i) {
+    render.samples(block, 1.0, 0.1);
+    monitor.add(render.film);
+    EXPECT_EQ(monitor.estimate(), std::nullopt);
+    EXPECT_EQ(monitor.bound(), std::nullopt);
+    EXPECT_EQ(monitor.samples_expected(), std::nullopt);
+    EXPECT_EQ(monitor.why_not(), "the error is judged after 2048 more samples per pixel");
+  }
+}
+
+TEST(stopping_test, a_bound_above_the_target_is_named) {
+  Render render;
+  ErrorMonitor monitor(1e-4, 0.99);
+  for (int i = 0; i <= 400; ++i) {
+    render.samples(block, 1.0, 0.5);
+    monitor.add(render.film);
+  }
+  EXPECT_FALSE(monitor.certified());
+  char text[100];
+  std::snprintf(text, sizeof text, "the error is below %.3g with 99 %% confidence, 0.0001 was asked for", *monitor.bound());
+  EXPECT_EQ(monitor.why_not(), text);
+  // The bound falls as one over the root of the samples.
+  const double share = *monitor.bound() / 1e-4;
+  EXPECT_NEAR(static_cast<double>(*monitor.samples_expected()), share * share * 401.0 * block, 1.0);
+}
+
+TEST(stopping_test, more_confidence_is_a_higher_bound) {
+  double before = 0.0;
+  for (const double confidence : {0.5, 0.9, 0.99, 0.9999, 1.0 - 1e-9}) {
+    Render render;
+    ErrorMonitor monitor(0.01, confidence);
+    for (int i = 0; i <= 20; ++i) {
+      render.samples(block, 1.0, 0.5);
+      monitor.add(render.film);
+    }
+    EXPECT_GT(*monitor.bound(), before);
+    before = *monitor.bound();
+  }
+  EXPECT_TRUE(std::isfinite(before));
+}
+
+TEST(stopping_test, light_scaled_by_a_power_of_two_changes_no_bit) {
+  std::vector<double> bounds[2];
+  for (int k = 0; k < 2; ++k) {
+    Render render;
+    render.film.exponent = k == 0 ? 0 : 40;  // the same sums in larger units
+    ErrorMonitor monitor(0.01, 0.95);
+    for (int i = 0; i < 30; ++i) {
+      const int exponent = std::exchange(render.film.exponent, 0);
+      render.samples(block, 1.0, 0.5);
+      render.film.exponent = exponent;
+      monitor.add(render.film);
+      if (monitor.bound()) bounds[k].push_back(*monitor.bound());
+    }
+  }
+  EXPECT_EQ(bounds[0].size(), 26u);  // from the second pair on
+  EXPECT_EQ(bounds[0], bounds[1]);
+}
+
+TEST(stopping_test, a_black_picture_is_never_certified) {
+  Render render;
+  ErrorMonitor monitor(0.5, 0.5);
+  for (int i = 0; i < 300; ++i) {
+    render.samples(block, 0.0, 0.0);
+    monitor.add(render.film);
+  }
+  EXPECT_EQ(monitor.why_not(), "the picture is black so far");
+  // Light that comes late counts in full.
+  for (int i = 0; i < 100; ++i) {
+    render.samples(block, 1.0, 0.5);
+    monitor.add(render.film);
+  }
+  EXPECT_NE(monitor.why_not(), "the picture is black so far");
+}
+
+// One sample that brings as much as half of all the noise together: it is one pixel's, and the picture would be certified otherwise.
+TEST(stopping_test, a_picture_whose_noise_is_a_single_sample_is_not_certified) {
+  Render render;
+  ErrorMonitor monitor(0.05, 0.95);
+  for (int i = 0; i < 200; ++i) {
+    render.samples(block, 1.0, 0.2);
+    if (i == 150) add_sum(render.film, 20, 1, 300.0);
+    monitor.add(render.film);
+    if (i < 150) {
+      EXPECT_EQ(monitor.certified(), render.film.samples >= fewest);
+    }
+  }
+  ASSERT_LT(*monitor.bound(), 0.05);
+  EXPECT_FALSE(monitor.certified());
+  EXPECT_NE(monitor.why_not().find("% of the noise seen are a few samples in one block of 8 x 8 pixels"), std::string::npos)
+      << monitor.why_not();
+}
+
+TEST(stopping_test, films_between_blocks_do_not_count_and_change_nothing) {
+  Render render;
+  ErrorMonitor all(0.01, 0.95), some(0.01, 0.95);
+  for (int i = 0; i < 60; ++i) {
+    for (const std::uint64_t part : {1, 2, 13}) {
+      render.samples(part, 1.0, 0.5);
+      all.add(render.film);
+      all.add(render.film);
+    }
+    some.add(render.film);
+  }
+  EXPECT_EQ(all.bound(), some.bound());
+}
+
+// As after a resume, or when the render loop was not asked for a while.
+TEST(stopping_test, a_gap_between_films_costs_samples_and_not_the_truth) {
+  Render render;
+  ErrorMonitor monitor(0.001, 0.95);
+  for (int i = 0; i < 100; ++i) render.samples(block, 1.0, 0.2);
+  render.samples(5, 1.0, 0.2);  // not a multiple
+  monitor.add(render.film);
+  render.samples(block - 5, 1.0, 0.2);
+  for (int i = 0; i < 400; ++i) {
+    monitor.add(render.film);
+    const std::uint64_t blocks = i % 50 == 49 ? 7 : 1;  // a gap of 7 blocks, in the middle of a pair
+    for (std::uint64_t b = 0; b < blocks; ++b) render.samples(block, 1.0, 0.5);
+  }
+  const double blocks = static_cast<double>(render.film.samples / block - 7);  // the last film that was added
+  const double exact = 0.5 / std::sqrt(3.0 * 1.01 * blocks);
+  EXPECT_NEAR(*monitor.estimate(), exact, 0.04 * exact);
+}
+
+TEST(stopping_test, samples_left_out_do_not_count_as_dark) {
+  Render render;
+  ErrorMonitor monitor(1e-6, 0.95);
+  for (int i = 0; i < 140; ++i) {
+    // Every pixel is 1, but of some a part of the samples, or all, are left out.
+    for (std::size_t p = 0; p < render.film.pixels.size(); ++p) {
+      const ulong left_out = p == 0 ? 16 : (p * 7 + static_cast<std::size_t>(i) * 5) % 16;
+      add_sum(render.film, p, 0, static_cast<double>(block - left_out));
+      render.film.pixels[p].rejected += left_out;
+    }
+    render.film.samples += block;
+    monitor.add(render.film);
+  }
+  EXPECT_LT(*monitor.estimate(), 1e-8);
+  EXPECT_TRUE(monitor.certified()) << monitor.why_not();
+}
+
+TEST(stopping_test, a_picture_of_one_pixel_has_an_error_too) {
+  Render render;
+  render.film = empty_film(1, 1);
+  ErrorMonitor monitor(0.5, 0.95);
+  for (int i = 0; i < 4000; ++i) {
+    EXPECT_FALSE(monitor.certified());
+    render.samples(block, 1.0, 0.5);
+    monitor.add(render.film);
+  }
+  for (int i = 0; i < 5000; ++i) {
+    render.samples(block, 1.0, 0.5);
+    monitor.add(render.film);
+  }
+  EXPECT_TRUE(monitor.certified()) << monitor.why_not();
+}

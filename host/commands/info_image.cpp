@@ -14,6 +14,7 @@ void print_part(const PartInfo& part) {
   std::cout << ", " << part.type << "\n";
   for (const ChannelInfo& channel : part.channels) {
     row("channel") << channel.name << ": " << channel.type;
+    std::cout.precision(channel.type == "uint" ? 10 : 9);  // what tells every value from its neighbours
     if (channel.finite > 0)
       std::cout << ", from " << channel.min << " to " << channel.max << ", mean " << channel.mean;
     if (channel.infinite > 0) std::cout << ", " << channel.infinite << " infinite";
@@ -28,7 +29,7 @@ void print_part(const PartInfo& part) {
 Exit info_image(const std::filesystem::path& image) {
   const std::vector<PartInfo> parts = read_image_info(image);
   row("image") << image.string() << "\n";
-  const auto precision = std::cout.precision(9);
+  const auto precision = std::cout.precision();
   for (const PartInfo& part : parts) print_part(part);
   std::cout.precision(precision);
   return Exit::success;

@@ -16,8 +16,8 @@ typedef struct FirstSurface {
   uint primitive;  // NONE: there is no surface
 } FirstSurface;
 
-// By the very random numbers of the path of that key, or by none. Out of line: it is asked for in two places.
-OUT_OF_LINE FirstSurface aov_first_surface(const Scene *scene, PathState *path, ulong key, bool by_chance) {
+// By the very random numbers of the path of that sampler, or by none. Out of line: it is asked for in two places.
+OUT_OF_LINE FirstSurface aov_first_surface(const Scene *scene, PathState *path, const Sampler *sampler, bool by_chance) {
   FirstSurface first;
   while (path->passes < HARD_DEPTH) {
     Hit hit = traverse_closest(scene, &path->ray);
@@ -29,7 +29,7 @@ OUT_OF_LINE FirstSurface aov_first_surface(const Scene *scene, PathState *path, 
     bool passes = shape.first_light != NONE && path_hides_lights(scene, path);
     if (!passes && first.material != NONE) {
       const TexturePoint *at = &first.surface.at;
-      ulong bits = by_chance ? path_surface_bits(key, 0u, path->passes, false) : AOV_NO_CHANCE;
+      ulong bits = by_chance ? path_surface_bits(sampler, 0u, path->passes, false) : AOV_NO_CHANCE;
       first.material = material_select(scene, first.material, at, (uint)(bits >> 32));
       passes = HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, &path->ray, hit, first.material, at);
     }
@@ -43,9 +43,10 @@ OUT_OF_LINE FirstSurface aov_first_surface(const Scene *scene, PathState *path, 
 // What --aov primitive shows: the ray through the middle of the pixel and of the lens.
 INLINE uint aov_primitive(const Scene *scene, Pixel pixel) {
   Camera camera = *scene->camera;
-  PathState path = path_begin(scene, pixel.x, pixel.y, 0ul);
+  Sampler sampler = sampler_begin(scene->settings, pixel_stream(scene->settings, pixel), 0ul);
+  PathState path = path_begin(scene, pixel.x, pixel.y, &sampler);
   path.ray = camera_ray(&camera, pixel.x + 0.5f, pixel.y + 0.5f, (float2)(0.0f));
-  return aov_first_surface(scene, &path, 0ul, false).primitive;
+  return aov_first_surface(scene, &path, &sampler, false).primitive;
 }
 
 INLINE void aov_add(const Scene *scene, AovPixel *sum, const PathState *path, FirstSurface first) {
@@ -70,9 +71,9 @@ INLINE AovPixel aov_pixel(const Scene *scene, Pixel pixel) {
   __global const Settings *settings = scene->settings;
   AovPixel sum = {{0.0f, 0.0f, 0.0f}, 0u, {0.0f, 0.0f, 0.0f}, aov_primitive(scene, pixel), 0.0f, 0.0f, 0.0f, pixel.index};
   for (ulong sample = 0; sample < AOV_SAMPLES; ++sample) {
-    ulong key = rng_key(settings->seed, pixel_stream(settings, pixel), sample);
-    PathState path = path_begin(scene, pixel.x, pixel.y, key);
-    FirstSurface first = aov_first_surface(scene, &path, key, true);
+    Sampler sampler = sampler_begin(settings, pixel_stream(settings, pixel), sample);
+    PathState path = path_begin(scene, pixel.x, pixel.y, &sampler);
+    FirstSurface first = aov_first_surface(scene, &path, &sampler, true);
     if (first.primitive != NONE) aov_add(scene, &sum, &path, first);
   }
   return sum;

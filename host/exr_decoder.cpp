@@ -12,6 +12,7 @@
 #include <iterator>
 #include <vector>
 
+#include "exr_headers.h"
 #include "texture_decoders.h"
 
 namespace oclair {
@@ -51,14 +52,14 @@ std::vector<std::string> channels_of(const Imf::ChannelList& list) {
   return names;
 }
 
-// Before anything is allocated for it.
+// Before anything is allocated for it. Of several parts the first is the image.
 void check_header(std::string_view bytes) {
   ByteStream stream(bytes);
+  check_exr_headers(stream, bytes.size());
   int magic = 0, version = 0;
   Imf::Xdr::read<Imf::StreamIO>(stream, magic);
   Imf::Xdr::read<Imf::StreamIO>(stream, version);
-  if (Imf::isMultiPart(version) || Imf::isNonImage(version))
-    throw TextureFileError("OpenEXR: several parts and deep pixels are not supported (supported: one flat image)");
+  if (Imf::isNonImage(version)) throw TextureFileError("OpenEXR: deep pixels are not supported (supported: flat images)");
   Imf::Header header;
   header.readFrom(stream, version);
   const auto& window = header.dataWindow();

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
+#include "../host/image.h"
 #include "encoders.h"
 #include "random.h"
+#include "temporary_directory.h"
 
 using namespace oclair;
 using namespace oclair::test;
@@ -177,6 +181,20 @@ TEST(texture_file_test, other_formats_and_layouts_are_refused) {
   EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::FLOAT, {std::numeric_limits<float>::quiet_NaN()}}})),
             "OpenEXR: a texel is not finite");
   EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::HALF, {1e9f}}})), "OpenEXR: a texel is not finite");
+}
+
+// What the renderer itself writes among them.
+TEST(texture_file_test, exr_of_several_parts_is_its_first) {
+  const TemporaryDirectory directory;
+  const auto grey = [](const std::string& name, float value) {
+    return ImagePart{name, {"Y"}, ValuesOfPixel<float>([value](std::size_t pixel, auto v) { v[0] = value + static_cast<float>(pixel); })};
+  };
+  write_exr(directory / "a.exr", {3, 2, 0, 0, 3, 2}, {grey("first", 0.5f), grey("second", 100.0f)});
+  std::ifstream file(directory / "a.exr", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const Image image = parse_image(bytes);
+  EXPECT_EQ(texels<float>(image), (std::vector<float>{0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f}));
+  for (std::size_t size = 0; size < bytes.size(); ++size) ASSERT_NE(refusal(bytes.substr(0, size)), "") << size << " of " << bytes.size();
 }
 
 // Headers that promise more than the file holds are refused before memory is taken for it.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "../image_info.h"
 #include "../render.h"
 #include "../variant.h"
 #include "report.h"
@@ -11,8 +12,6 @@
 namespace oclair {
 
 namespace {
-
-std::ostream& row(const std::string& name) { return std::cout << std::left << std::setw(20) << name; }
 
 void print_film(const WorldFilm& film, std::uint64_t samples_per_pixel) {
   const char* const filters[] = {"box", "tent", "gaussian"};
@@ -49,6 +48,7 @@ void print_memory(const Scene& scene, const Bvh& bvh) {
 }  // namespace
 
 Exit info(const InfoOptions& options) {
+  if (is_exr(options.scene)) return info_image(options.scene);
   const Device device = open_device(options.device);
   World world = read_scene(options.scene, options.definitions);
   print_warnings(world, std::cerr);
@@ -75,7 +75,7 @@ Exit info(const InfoOptions& options) {
 
 Command info_command(CLI::App& program) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires");
+  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires, or what an OpenEXR image holds");
   add_scene(line, options->scene, options->definitions);
   add_device(line, options->device);
   return {&line, [options] { return info(*options); }};

@@ -1,12 +1,16 @@
 #include "report.h"
 
 #include <cstdio>
+#include <iomanip>
+#include <iostream>
 
 namespace oclair {
 
 void print_warnings(const World& world, std::ostream& log) {
   for (const std::string& warning : world.warnings) log << "oclair: warning: " << warning << "\n";
 }
+
+std::ostream& row(const std::string& name) { return std::cout << std::left << std::setw(19) << name << ' '; }
 
 std::string format_bytes(std::size_t bytes) {
   const char* const units[] = {"B", "KiB", "MiB", "GiB"};

@@ -11,6 +11,9 @@ namespace oclair {
 
 void print_warnings(const World& world, std::ostream& log);
 
+// Begins a line of the standard output: a name, and the column where its value begins.
+std::ostream& row(const std::string& name);
+
 // "1.5 MiB": for memory.
 std::string format_bytes(std::size_t bytes);
 

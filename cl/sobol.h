@@ -16,21 +16,24 @@ INLINE uint sobol_scramble(uint digits, uint tree) {
   return digits ^ flips;
 }
 
-// The first m digits of both coordinates of point `index` < 2^m: van der Corput's sequence, and the one whose matrix is Pascal's triangle.
-INLINE uint2 sobol_digits(uint index) {
-  uint2 digits = (uint2)(0u);
-  uint2 column = (uint2)(REPLICA_SAMPLES / 2);
-  for (uint bit = 0; bit < REPLICA_BITS; ++bit) {
-    digits ^= (index >> bit & 1u) ? column : (uint2)(0u);
-    column = (uint2)(column.x >> 1, column.y ^ (column.y >> 1));
-  }
-  return digits;
+// Digits in the reverse order.
+INLINE uint sobol_reverse(uint digits) {
+  digits = (digits & 5u) << 1 | (digits >> 1 & 5u);
+  return (digits & 3u) << 2 | digits >> 2;
+}
+
+// Digits of the second coordinate from those of the first: a product with Pascal's triangle modulo 2, whose entry (k, j) is 1 if the bits
+// of k are among those of j (Lucas).
+INLINE uint sobol_second(uint digits) {
+  digits ^= digits << 1 & 10u;
+  return digits ^ (digits << 2 & 12u);
 }
 
 // Point `index` of the net that 48 random bits choose: the order and both coordinates are scrambled. m digits of each coordinate.
 INLINE uint2 sobol_point(uint index, ulong trees) {
-  uint2 digits = sobol_digits(sobol_scramble(index, (uint)trees));
-  return (uint2)(sobol_scramble(digits.x, (uint)(trees >> REPLICA_SAMPLES)), sobol_scramble(digits.y, (uint)(trees >> 2 * REPLICA_SAMPLES)));
+  uint digits = sobol_reverse(sobol_scramble(index, (uint)trees));
+  return (uint2)(sobol_scramble(digits, (uint)(trees >> REPLICA_SAMPLES)),
+                 sobol_scramble(sobol_second(digits), (uint)(trees >> 2 * REPLICA_SAMPLES)));
 }
 
 #endif

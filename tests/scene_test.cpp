@@ -117,7 +117,8 @@ TEST(scene_test, a_scene_has_exactly_the_features_that_its_parts_require) {
       {"hidden lights", [](World& w) { add_quadric(w, Geometry::sphere, 1), w.integrator.hide_emitters = true; },
        flat | FEATURE_SPHERES | FEATURE_QUADRIC_LIGHTS | FEATURE_HIDDEN_EMITTERS},
       {"hidden nothing", [](World& w) { w.integrator.hide_emitters = true; }, 0},
-      {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS}};
+      {"moments", [](World& w) { w.integrator.moments = true; }, FEATURE_MOMENTS},
+      {"Sobol", [](World& w) { w.sampler = SAMPLER_SOBOL; }, FEATURE_SOBOL}};
   Features all = 0;
   for (const Row& row : rows) {
     World world;

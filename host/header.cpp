@@ -89,7 +89,7 @@ ImageAttributes header_attributes(const HeaderTexts& texts, const Figures& figur
   attributes.push_back({"rejectedSamples", std::to_string(figures.rejected)});
   if (figures.rays) attributes.push_back({"rays", std::to_string(*figures.rays)});
   if (figures.estimated_error) attributes.push_back({"estimatedError", static_cast<float>(*figures.estimated_error)});
-  if (!figures.stopped.empty()) attributes.push_back({"stopped", figures.stopped});
+  if (!figures.stopped.empty() && !date) attributes.push_back({"stopped", figures.stopped});
   if (date) {
     attributes.push_back({"capDate", date_text(*date)});
     attributes.push_back({"utcOffset", 0.0f});

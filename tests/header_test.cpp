@@ -86,6 +86,10 @@ TEST(header_test, with_a_date_nothing_is_said_that_differs_between_equal_runs) {
   };
   EXPECT_EQ(attributes("oclair render -o a.exr", 1.0, 0), attributes("oclair render -o b.exr", 2.0, 0));
   EXPECT_NE(attributes("oclair render -o a.exr", 1.0, {}), attributes("oclair render -o b.exr", 1.0, {}));
+  Figures merged = figures(1.0);
+  merged.stopped = "";
+  EXPECT_EQ(header_attributes(texts("oclair merge"), merged, 0), attributes("oclair render", 1.0, 0));
+  EXPECT_NE(header_attributes(texts("oclair render"), merged, {}), attributes("oclair render", 1.0, {}));
   EXPECT_NE(attributes("oclair render -o a.exr", 1.0, {}), attributes("oclair render -o a.exr", 2.0, {}));
 }
 

@@ -77,12 +77,14 @@ TEST(render_command_test, an_installation_with_a_blank_in_its_path_renders) {
 }
 
 TEST(render_command_test, two_equal_runs_write_equal_bytes) {
+  setenv("SOURCE_DATE_EPOCH", "0", 1);
   const TemporaryDirectory directory;
   const fs::path first = directory / "a.exr", second = directory / "b.exr";
   ASSERT_EQ(run_oclair(quick(first, {"--png"})).exit, 0);
   ASSERT_EQ(run_oclair(quick(second, {"--png"})).exit, 0);
   EXPECT_EQ(bytes_of(first), bytes_of(second));
   EXPECT_EQ(bytes_of(directory / "a.png"), bytes_of(directory / "b.png"));
+  unsetenv("SOURCE_DATE_EPOCH");
 }
 
 TEST(render_command_test, seed_changes_the_image_and_size_its_size) {

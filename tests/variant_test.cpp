@@ -16,7 +16,7 @@ using namespace oclair::test;
 
 namespace {
 
-constexpr Features alone = FEATURE_MOMENTS;  // what only those who ask for it get
+constexpr Features alone = FEATURE_MOMENTS | FEATURE_SOBOL;  // what only those who ask for it get
 constexpr Variant variants[] = {Variant::PLAIN, Variant::SURFACES, Variant::TEXTURED, Variant::FULL};
 
 // Few features, or many.

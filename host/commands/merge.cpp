@@ -5,10 +5,9 @@
 
 #include "../checkpoint.h"
 #include "../checkpoint_lock.h"
-#include "../film.h"
-#include "../header.h"
 #include "../progress.h"
 #include "options.h"
+#include "output.h"
 
 namespace oclair {
 namespace {
@@ -19,6 +18,11 @@ struct MergeOptions {
   std::vector<std::string> parts;
   std::optional<fs::path> image, checkpoint;  // at least one
 };
+
+ImageFiles files_of(const MergeOptions& options) {
+  if (!options.image) return {};
+  return options.image->extension() == ".png" ? ImageFiles{{}, options.image} : ImageFiles{options.image, {}};
+}
 
 // One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said before
 // the long work.
@@ -31,26 +35,10 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   return sum;
 }
 
-void write_image(const fs::path& path, const Checkpoint& checkpoint) {
-  const Film& film = checkpoint.film;
-  const WorldFilm& window = checkpoint.head.film;
-  if (path.extension() == ".png") {
-    const std::vector<float> rgb = rgb_of(film);
-    const std::span<const float> values(rgb);
-    write_png(path, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-    return;
-  }
-  Figures figures;
-  figures.ranges = checkpoint.ranges;
-  figures.rejected = rejected_samples(film);
-  write_exr(path, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
-            parts_of(film, window.pixel_format, checkpoint.head.moment_name, checkpoint.layers),
-            header_attributes(checkpoint.head.attributes, figures, reproducible_date()));
-}
-
 Exit merge_files(const MergeOptions& options) {
   std::unique_ptr<CheckpointLock> lock;
-  if (options.image) require_writable(*options.image);
+  const ImageFiles files = files_of(options);
+  require_writable(files);
   if (options.checkpoint) {
     lock = std::make_unique<CheckpointLock>(*options.checkpoint);
     require_writable(*options.checkpoint);
@@ -60,12 +48,11 @@ Exit merge_files(const MergeOptions& options) {
   const Checkpoint sum = merged(options.parts);
   progress.begin("write");
   if (options.checkpoint) write_checkpoint(*options.checkpoint, sum);
-  if (options.image) write_image(*options.image, sum);
+  write_images(files, sum, {});
   progress.end();
-  for (const auto& written : {options.checkpoint, options.image})
-    if (written) std::cout << written->string() << "\n";
-  if (const std::uint64_t rejected = rejected_samples(sum.film))
-    std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";
+  if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
+  print_files(files);
+  if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
   return Exit::success;
 }
 

@@ -9,7 +9,7 @@
 namespace oclair {
 
 struct ImageFiles {
-  std::optional<std::filesystem::path> exr, png;  // at least one
+  std::optional<std::filesystem::path> exr, png;
 };
 
 // What of the header depends on the run, not on the samples.

@@ -1,0 +1,179 @@
+// Renders that are stopped, resumed, limited and cut into parts, by the program itself.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+#include "temporary_directory.h"
+
+
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+const std::string scene = (fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes/cornell-boxes.xml").string();
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  EXPECT_TRUE(stream) << file;
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return bytes.str();
+}
+
+Arguments render(const fs::path& image, const Arguments& more) {
+  Arguments all = {"render", scene, "-o", image.string()};
+  all.insert(all.end(), more.begin(), more.end());
+  if (std::find(more.begin(), more.end(), "--size") == more.end()) all.insert(all.end(), {"--size", "16x16"});
+  return all;
+}
+
+ProgramResult expect_exit(int exit, const Arguments& arguments) {
+  const ProgramResult result = run_oclair(arguments);
+  EXPECT_EQ(result.exit, exit) << result.err;
+  return result;
+}
+
+std::vector<nlohmann::json> events_of(const std::string& lines) {
+  std::vector<nlohmann::json> events;
+  std::istringstream stream(lines);
+  for (std::string line; std::getline(stream, line);) events.push_back(nlohmann::json::parse(line));
+  return events;
+}
+
+// Images are compared with nothing in their headers that differs between two runs.
+class render_loop_test : public testing::Test {
+ protected:
+  render_loop_test() { setenv("SOURCE_DATE_EPOCH", "0", 1); }
+  ~render_loop_test() override { unsetenv("SOURCE_DATE_EPOCH"); }
+
+  fs::path image(const std::string& name) const { return directory / (name + ".exr"); }
+  fs::path checkpoint(const std::string& name) const { return directory / (name + ".checkpoint"); }
+
+  TemporaryDirectory directory;
+};
+
+// The program runs, gets the signal when it has said that its passes began, and ends.
+int exit_after_signal(const Arguments& arguments, int signal, std::string& err) {
+  int pipe_ends[2];
+  EXPECT_EQ(pipe(pipe_ends), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(pipe_ends[1], STDERR_FILENO);
+    close(pipe_ends[0]), close(pipe_ends[1]);
+    ::signal(signal, SIG_DFL);
+    std::vector<char*> words{const_cast<char*>("oclair")};
+    for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    execv(OCLAIR_PROGRAM, words.data());
+    _exit(127);
+  }
+  close(pipe_ends[1]);
+  bool sent = false;
+  char buffer[4096];
+  for (ssize_t count; (count = read(pipe_ends[0], buffer, sizeof buffer)) > 0;) {
+    err.append(buffer, static_cast<std::size_t>(count));
+    if (!sent && err.find("\"event\":\"samples\"") != std::string::npos) sent = kill(child, signal) == 0;
+  }
+  close(pipe_ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(sent) << err;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_F(render_loop_test, a_signal_ends_the_pass_writes_everything_and_exits_5) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::string err;
+    const Arguments endless =
+        render(image("a"), {"--png", "--spp", "1000000000", "--progress", "json", "--restart", "--size", "64x64"});
+    EXPECT_EQ(exit_after_signal(endless, signal, err), 5);
+    const auto last = events_of(err).back();
+    EXPECT_EQ(last["event"], "finish");
+    EXPECT_EQ(last["reason"], "signal");
+    EXPECT_EQ(last["exit"], 5);
+    EXPECT_TRUE(fs::exists(image("a")) && fs::exists(directory / "a.png") && fs::exists(checkpoint("a")));
+    EXPECT_FALSE(fs::exists(directory / "a.checkpoint.lock"));
+  }
+}
+
+TEST_F(render_loop_test, a_resumed_render_is_the_uninterrupted_one_bit_for_bit) {
+  for (const char* sampler : {"independent", "sobol"})
+    for (const char* first : {"1", "16", "21"}) {  // within a replica, and at its end
+      const auto with = [&](Arguments more) { return more.insert(more.end(), {"--sampler", sampler}), more; };
+      expect_exit(0, render(image("whole"), with({"--spp", "40", "--png"})));
+      expect_exit(0, render(image("part"), with({"--spp", first, "--checkpoint", checkpoint("part").string(), "--restart"})));
+      EXPECT_NE(bytes_of(image("whole")), bytes_of(image("part")));
+      expect_exit(0, render(image("part"), with({"--spp", "40", "--png", "--resume"})));
+      EXPECT_EQ(bytes_of(image("whole")), bytes_of(image("part"))) << sampler << " " << first;
+      EXPECT_EQ(bytes_of(directory / "whole.png"), bytes_of(directory / "part.png"));
+      EXPECT_FALSE(fs::exists(checkpoint("part")));  // done, and nobody has asked for it
+    }
+}
+
+TEST_F(render_loop_test, parts_merge_to_the_whole_render_bit_for_bit_in_any_order) {
+  for (const char* sampler : {"independent", "sobol"}) {
+    expect_exit(0, render(image("whole"), {"--spp", "50", "--sampler", sampler}));
+    const std::pair<const char*, const char*> parts[] = {{"a", "0:16"}, {"b", "16:16"}, {"c", "48:2"}, {"d", "32:16"}};
+    for (const auto& [name, samples] : parts)
+      expect_exit(0, render(image(name), {"--samples", samples, "--sampler", sampler, "--restart"}));
+    for (const std::string order : {"abcd", "dcba", "cadb"}) {
+      Arguments merge = {"merge", "-o", image("merged").string()};
+      for (const char part : order) merge.push_back(checkpoint(std::string(1, part)).string());
+      expect_exit(0, merge);
+      EXPECT_EQ(bytes_of(image("whole")), bytes_of(image("merged"))) << sampler << " " << order;
+    }
+  }
+}
+
+TEST_F(render_loop_test, what_does_not_go_together_is_not_resumed_and_the_checkpoint_stays) {
+  const std::string kept = checkpoint("a").string();
+  expect_exit(0, render(image("a"), {"--spp", "32", "--checkpoint", kept}));
+  const std::string before = bytes_of(kept);
+  const std::vector<std::pair<Arguments, std::string>> wrong = {
+      {{"--spp", "64"}, "expected --resume to go on with it or --restart to drop it"},
+      {{"--spp", "64", "--resume", "--seed", "7"}, "seed"},
+      {{"--spp", "64", "--resume", "--max-depth", "3"}, "max depth"},
+      {{"--spp", "64", "--resume", "--sampler", "sobol"}, "sampler"},
+      {{"--spp", "64", "--resume", "--size", "16x8"}, "16x8"},
+      {{"--spp", "16", "--resume"}, "expected at most the 16 that are wanted"},
+      {{"--samples", "16:16", "--resume"}, "its samples begin at 0, expected 16"},
+      {{"--spp", "64", "--resume", "--restart"}, "expected one of them"},
+      {{"--spp", "64", "--samples", "0:64"}, "expected one of them"},
+  };
+  for (const auto& [options, message] : wrong) {
+    const ProgramResult result = run_oclair(render(image("a"), options));
+    EXPECT_TRUE(result.exit == 1 || result.exit == 2) << message << result.err;
+    EXPECT_NE(result.err.find(message), std::string::npos) << message << ":\n" << result.err;
+    EXPECT_EQ(bytes_of(kept), before) << message;
+  }
+}
+
+TEST_F(render_loop_test, the_limit_that_comes_first_ends_the_render_and_the_exit_code_says_whether_it_was_the_target) {
+  const auto reason = [&](int exit, Arguments limits) {
+    limits.insert(limits.end(), {"--progress", "json", "--restart"});
+    return events_of(expect_exit(exit, render(image("a"), limits)).err).back()["reason"].get<std::string>();
+  };
+  EXPECT_EQ(reason(0, {"--spp", "8"}), "samples");
+  EXPECT_EQ(reason(0, {"--spp", "8", "--time", "1h"}), "samples");
+  EXPECT_EQ(reason(0, {"--time", "1"}), "time");
+  EXPECT_EQ(reason(5, {"--time", "1", "--spp", "1000000000"}), "time");
+  EXPECT_EQ(reason(5, {"--error", "1e-9", "--spp", "32"}), "samples");
+  EXPECT_EQ(reason(5, {"--error", "1e-9", "--time", "1"}), "time");
+  EXPECT_EQ(reason(0, {"--error", "0.9", "--time", "1h"}), "error");
+}
+
+TEST_F(render_loop_test, without_a_checkpoint_resume_begins) {
+  expect_exit(0, render(image("a"), {"--spp", "4"}));
+  expect_exit(0, render(image("b"), {"--spp", "4", "--resume"}));
+  EXPECT_EQ(bytes_of(image("a")), bytes_of(image("b")));
+}

@@ -5,10 +5,9 @@
 
 #include "../checkpoint.h"
 #include "../checkpoint_lock.h"
-#include "../film.h"
-#include "../header.h"
 #include "../progress.h"
 #include "options.h"
+#include "output.h"
 
 namespace oclair {
 namespace {
@@ -17,11 +16,12 @@ namespace fs = std::filesystem;
 
 struct MergeOptions {
   std::vector<std::string> parts;
-  std::optional<fs::path> image, checkpoint;  // at least one
+  ImageFiles images;
+  std::optional<fs::path> checkpoint;  // an image or this, or both
 };
 
-// One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said before
-// the long work.
+// One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said
+// before the long work.
 Checkpoint merged(const std::vector<std::string>& parts) {
   std::vector<Checkpoint> heads;
   for (const std::string& part : parts) heads.push_back(read_checkpoint_head(part));
@@ -31,26 +31,10 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   return sum;
 }
 
-void write_image(const fs::path& path, const Checkpoint& checkpoint) {
-  const Film& film = checkpoint.film;
-  const WorldFilm& window = checkpoint.head.film;
-  if (path.extension() == ".png") {
-    const std::vector<float> rgb = rgb_of(film);
-    const std::span<const float> values(rgb);
-    write_png(path, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-    return;
-  }
-  Figures figures;
-  figures.ranges = checkpoint.ranges;
-  figures.rejected = rejected_samples(film);
-  write_exr(path, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
-            parts_of(film, window.pixel_format, checkpoint.head.moment_name, checkpoint.layers),
-            header_attributes(checkpoint.head.attributes, figures, reproducible_date()));
-}
-
 Exit merge_files(const MergeOptions& options) {
+  reproducible_date();  // wrong ones are refused now
+  require_writable(options.images);
   std::unique_ptr<CheckpointLock> lock;
-  if (options.image) require_writable(*options.image);
   if (options.checkpoint) {
     lock = std::make_unique<CheckpointLock>(*options.checkpoint);
     require_writable(*options.checkpoint);
@@ -60,12 +44,11 @@ Exit merge_files(const MergeOptions& options) {
   const Checkpoint sum = merged(options.parts);
   progress.begin("write");
   if (options.checkpoint) write_checkpoint(*options.checkpoint, sum);
-  if (options.image) write_image(*options.image, sum);
+  write_images(options.images, sum, {"samples", {}});  // as one render of them says
   progress.end();
-  for (const auto& written : {options.checkpoint, options.image})
-    if (written) std::cout << written->string() << "\n";
-  if (const std::uint64_t rejected = rejected_samples(sum.film))
-    std::cerr << "oclair: warning: " << rejected << " samples were not finite, negative or too large and are left out\n";
+  if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
+  if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
+  print_files(options.images);
   return Exit::success;
 }
 
@@ -73,14 +56,18 @@ Exit merge_files(const MergeOptions& options) {
 
 Command merge_command(CLI::App& program) {
   const auto options = std::make_shared<MergeOptions>();
+  const auto image = std::make_shared<fs::path>();
   CLI::App& line = *program.add_subcommand("merge", "Joins checkpoints of one render to the image of all their samples");
   line.add_option("CHECKPOINT", options->parts, "checkpoints of disjoint samples")->required();
-  line.add_option("-o,--output", options->image, "image to write: .exr or .png")->type_name("FILE");
-  line.add_option("--checkpoint", options->checkpoint, "checkpoint to write; may be one of those that are read")->type_name("FILE");
-  return {&line, [options] {
-            if (!options->image && !options->checkpoint) throw Error(Exit::usage, "merge: expected --output or --checkpoint");
-            if (options->image && options->image->extension() != ".exr" && options->image->extension() != ".png")
-              throw Error(Exit::usage, "--output '" + options->image->string() + "': expected a name in .exr or .png");
+  line.add_option("-o,--output", *image, "image to write: .exr or .png")->type_name("FILE");
+  line.add_option("--checkpoint", options->checkpoint, "checkpoint to write; may be one of those that are read")
+      ->type_name("FILE");
+  return {&line, [options, image] {
+            if (image->extension() == ".exr") options->images.exr = *image;
+            else if (image->extension() == ".png") options->images.png = *image;
+            else if (!image->empty() || !options->checkpoint)
+              throw Error(Exit::usage,
+                          "--output '" + image->string() + "': expected a name in .exr or .png, or else --checkpoint");
             return merge_files(*options);
           }};
 }

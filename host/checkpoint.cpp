@@ -162,9 +162,10 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
 [[maybe_unused]] bool is_sound(const Checkpoint& checkpoint) {
   const Film& film = checkpoint.film;
   const std::size_t pixels = std::size_t{film.width} * film.height;
-  return film.samples == count_samples(checkpoint.ranges) && film.replicas == count_replicas(checkpoint.ranges) && film.width == checkpoint.head.film.crop_width &&
-         film.height == checkpoint.head.film.crop_height && film.pixels.size() == pixels &&
-         film.errors.size() == pixels && (film.moments.empty() || film.moments.size() == pixels) &&
+  return film.samples == count_samples(checkpoint.ranges) && film.replicas == count_replicas(checkpoint.ranges) &&
+         film.width == checkpoint.head.film.crop_width && film.height == checkpoint.head.film.crop_height &&
+         film.pixels.size() == pixels && film.errors.size() == pixels &&
+         (film.moments.empty() || film.moments.size() == pixels) &&
          std::all_of(checkpoint.layers.begin(), checkpoint.layers.end(),
                      [&](const Layer& layer) { return layer.values.size() == pixels; });
 }

@@ -36,7 +36,7 @@ struct Checkpoint {
 // Replaces the file as a whole: see file_aside.h. Throws Error(Exit::render_failed).
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-// Throws Error(Exit::render_failed) for a file that is not exactly what write_checkpoint has written, and says which part of it.
+// Throws Error(Exit::render_failed) for a file that is not what write_checkpoint has written, and says which part is not.
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 // The same without the arrays: the film has its size, exponent and number of samples, the layers their names.

@@ -31,8 +31,8 @@ struct CheckpointHeadError : std::runtime_error {
 
 std::string head_text(const Checkpoint& checkpoint, const std::vector<ArrayEntry>& arrays);
 
-// Every number is in its range, the samples are those of the ranges, the crop lies in the film; of the arrays nothing is checked.
-// Throws CheckpointHeadError.
+// Every number is in its range, the samples are those of the ranges, the crop lies in the film; of the arrays nothing is
+// checked. Throws CheckpointHeadError.
 CheckpointHead parse_head(std::string_view text);
 
 }  // namespace oclair

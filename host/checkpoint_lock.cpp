@@ -47,7 +47,8 @@ CheckpointLock::CheckpointLock(const fs::path& checkpoint) {
   };
   for (;;) {
     descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-    if (descriptor_ < 0) fail("its lock cannot be created: " + system_message(errno), "a directory that exists and can be written");
+    if (descriptor_ < 0)
+      fail("its lock cannot be created: " + system_message(errno), "a directory that exists and can be written");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) fail("is being written by " + holder(descriptor_), "one render for a checkpoint");
       if (errno != EINTR) return;

@@ -5,9 +5,9 @@
 
 namespace oclair {
 
-// The lock is that of the kernel on the file PATH.lock, so it ends with its process, whatever ends it; the file holds the process's
-// number and machine for the message to a second one. A file system without locks gives none: then two renders would replace each
-// other's checkpoint, but never break one.
+// The lock is that of the kernel on the file PATH.lock, so it ends with its process, whatever ends it; the file holds the
+// process's number and machine for the message to a second one. A file system without locks gives none: then two renders
+// would replace each other's checkpoint, but never break one.
 class CheckpointLock {
  public:
   // Throws Error(Exit::render_failed), if another process holds it with which one.

@@ -30,8 +30,8 @@ int open_unnamed(const fs::path& directory) {
   return -1;
 }
 
-// Tells make(name) names beside the target until it succeeds: two processes may have one number, on two machines or one after the
-// other. Returns the name that it took, or the empty path with errno set.
+// Tells make(name) names beside the target until it succeeds: two processes may have one number, on two machines or one
+// after the other. Returns the name that it took, or the empty path with errno set.
 template <typename Make>
 fs::path new_name(const fs::path& target, Make make) {
   constexpr int MAX_TRIES = 1000;

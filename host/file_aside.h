@@ -1,5 +1,6 @@
 // A file that is replaced as a whole: it is written aside, in the directory of its target, then renamed. Whatever fails, at
-// any moment, a reader of the target sees the old file or the new one, and never a part. Failures are Error(Exit::render_failed).
+// any moment, a reader of the target sees the old file or the new one, and never a part. Failures are
+// Error(Exit::render_failed).
 #pragma once
 
 #include <cstdio>
@@ -8,8 +9,8 @@
 
 namespace oclair {
 
-// The file that is written until commit() gives it its name; without a commit nothing of it stays. Where the file system can (not
-// NFS), it has no name at all until then, so that even a killed process leaves nothing; elsewhere it is called
+// The file that is written until commit() gives it its name; without a commit nothing of it stays. Where the file system can
+// (not NFS), it has no name at all until then, so that even a killed process leaves nothing; elsewhere it is called
 // TARGET.PROCESS.part. A target that is a link stays one: what it points to is replaced.
 class FileAside {
  public:

@@ -34,7 +34,8 @@ struct NamedRange {
 };
 
 void require_disjoint(std::vector<NamedRange> ranges) {
-  std::sort(ranges.begin(), ranges.end(), [](const NamedRange& a, const NamedRange& b) { return a.range.first < b.range.first; });
+  std::sort(ranges.begin(), ranges.end(),
+            [](const NamedRange& a, const NamedRange& b) { return a.range.first < b.range.first; });
   for (std::size_t i = 1; i < ranges.size(); ++i) {
     const NamedRange &a = ranges[i - 1], &b = ranges[i];
     if (b.range.first < a.range.end())

@@ -30,8 +30,8 @@ std::vector<SampleRange> joined(std::vector<SampleRange> disjoint);
 
 std::uint64_t count_samples(const std::vector<SampleRange>& disjoint);
 
-// Complete replicas (FilmErrors) of ranges that begin with one each: what a range holds of its last one, if it ends within, counts in the
-// mean of a pixel, but not in its error.
+// Complete replicas (FilmErrors) of ranges that begin with one each: what a range holds of its last one, if it ends within,
+// counts in the mean of a pixel, but not in its error.
 std::uint64_t count_replicas(const std::vector<SampleRange>& disjoint);
 
 }  // namespace oclair

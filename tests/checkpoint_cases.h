@@ -16,7 +16,8 @@ inline ulong any_limb(Random& random) {
   return limb % 8 == 0 ? ~ulong{0} : limb % 8 == 1 ? 0 : limb;
 }
 
-inline Film random_film(uint width, uint height, const std::vector<SampleRange>& ranges, bool with_moments, std::uint64_t seed) {
+inline Film random_film(uint width, uint height, const std::vector<SampleRange>& ranges, bool with_moments,
+                        std::uint64_t seed) {
   const std::uint64_t samples = count_samples(ranges);
   Random random(seed);
   Film film;

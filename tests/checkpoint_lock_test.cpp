@@ -82,7 +82,8 @@ TEST(checkpoint_lock_test, a_second_holder_is_refused_and_told_which_process_is_
   const fs::path checkpoint = directory / "a.checkpoint";
   Holder holder(checkpoint);
   const std::string message = refusal(checkpoint);
-  EXPECT_NE(message.find("a.checkpoint: is being written by process " + std::to_string(holder.process()) + " on "), std::string::npos)
+  EXPECT_NE(message.find("a.checkpoint: is being written by process " + std::to_string(holder.process()) + " on "),
+            std::string::npos)
       << message;
   EXPECT_NE(message.find(", expected one render for a checkpoint"), std::string::npos) << message;
   EXPECT_EQ(refusal(directory / "b.checkpoint"), "");
@@ -129,8 +130,8 @@ TEST(checkpoint_lock_test, a_checkpoint_that_is_replaced_stays_locked) {
   EXPECT_NE(refusal(directory / "a"), "");
 }
 
-// Processes that come and go on one lock, which is removed each time: never do two hold it at once. Each holder makes a file that
-// must not exist yet, and removes it.
+// Processes that come and go on one lock, which is removed each time: never do two hold it at once. Each holder makes a file
+// that must not exist yet, and removes it.
 TEST(checkpoint_lock_test, never_two_hold_it_at_once) {
   const TemporaryDirectory directory;
   const fs::path inside = directory / "inside";

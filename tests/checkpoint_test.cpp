@@ -57,8 +57,8 @@ Parts parts_of(const std::string& bytes) {
 // A file whose checksum of the head is right whatever the head says.
 std::string forged(const Parts& parts) {
   const std::string size = std::to_string(parts.head.size());
-  return parts.format + std::string(8 - size.size(), '0') + size + " " + xxh3_digits(parts.head.data(), parts.head.size()) + "\n" +
-         parts.head + parts.arrays;
+  return parts.format + std::string(8 - size.size(), '0') + size + " " + xxh3_digits(parts.head.data(), parts.head.size()) +
+         "\n" + parts.head + parts.arrays;
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -83,7 +83,8 @@ TEST_F(checkpoint_test, what_is_written_comes_back) {
   expect_same(read_checkpoint(path), small);
   Checkpoint plain = random_checkpoint({{MAX_SAMPLES - 16, 16}}, 2, false);
   plain.layers.clear();
-  plain.identity = {{"", ""}, {"\xc3\xa4", "line\n\"quoted\"\\\x01"}, {"not UTF-8", "\xff\xfe\x80"}, {"zero", std::string(1, '\0')}};
+  plain.identity = {
+      {"", ""}, {"\xc3\xa4", "line\n\"quoted\"\\\x01"}, {"not UTF-8", "\xff\xfe\x80"}, {"zero", std::string(1, '\0')}};
   plain.head.moment_name = "\xe4";
   plain.head.attributes = {};
   write_checkpoint(path, plain);
@@ -227,7 +228,8 @@ TEST_F(checkpoint_test, a_head_changed_at_random_is_read_or_refused) {
     Parts wrong = parts;
     for (std::uint32_t changes = 1 + random.below(4); changes > 0; --changes) {
       const std::size_t at = random.below(static_cast<std::uint32_t>(wrong.head.size()));
-      const std::string piece = parts.head.substr(random.below(static_cast<std::uint32_t>(parts.head.size())), random.below(20));
+      const std::string piece =
+          parts.head.substr(random.below(static_cast<std::uint32_t>(parts.head.size())), random.below(20));
       switch (random.below(4)) {
         case 0: wrong.head[at] = static_cast<char>(random.below(256)); break;
         case 1: wrong.head[at] = "0123456789-.[]{},\""[random.below(18)]; break;

@@ -80,7 +80,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
       {{"render", "a.xml", "-o", "a.jpg"}, "--output 'a.jpg': expected a name in .exr or .png"},
       {{"render", "a.xml", "-o", "a"}, "--output 'a': expected a name in .exr or .png"},
       {{"merge", "-o", "a.exr"}, "CHECKPOINT is required"},
-      {{"merge", "a"}, "merge: expected --output or --checkpoint"},
+      {{"merge", "a"}, "--output '': expected a name in .exr or .png, or else --checkpoint"},
       {{"merge", "a", "-o", "a.jpg"}, "--output 'a.jpg': expected a name in .exr or .png"},
       {{"render", "a.xml", "-o", "a.png", "--png"}, "--output 'a.png': expected a name in .exr when there is --png"},
       {{"render", "a.xml", "--png", "a.exr"}, "--png 'a.exr': expected a name in .png"},

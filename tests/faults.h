@@ -32,8 +32,8 @@ class FileSizeLimit {
   sighandler_t handler_;
 };
 
-// While it lives nothing can be created in a directory or removed from it, not by root either: root acts as a user without rights.
-// The directory above it is opened to all.
+// While it lives nothing can be created in a directory or removed from it, not by root either: root acts as a user without
+// rights. The directory above it is opened to all.
 class ReadOnlyDirectory {
  public:
   explicit ReadOnlyDirectory(const std::filesystem::path& directory) : directory_(directory), user_(geteuid()) {

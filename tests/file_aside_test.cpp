@@ -116,16 +116,19 @@ TEST(file_aside_test, a_directory_that_goes_away_is_an_error) {
   fs::create_directory(directory / "b");
   FileAside aside(directory / "b/a");
   fs::remove_all(directory / "b");
-  EXPECT_NE(failure([&] { aside.commit(); }).find("a: cannot be written: No such file or directory, expected "), std::string::npos);
+  EXPECT_NE(failure([&] { aside.commit(); }).find("a: cannot be written: No such file or directory, expected "),
+            std::string::npos);
 }
 
 TEST(file_aside_test, a_file_that_cannot_be_written_is_refused_beforehand) {
   const TemporaryDirectory directory;
-  EXPECT_NE(failure([&] { require_writable(directory / std::string(254, 'a')); }).find("File name too long"), std::string::npos);
+  EXPECT_NE(failure([&] { require_writable(directory / std::string(254, 'a')); }).find("File name too long"),
+            std::string::npos);
   EXPECT_NE(failure([&] { require_writable(directory / "none/a"); }).find("No such file or directory"), std::string::npos);
   fs::create_directory(directory / "locked");
   const ReadOnlyDirectory locked(directory / "locked");
-  EXPECT_NE(failure([&] { require_writable(directory / "locked/a"); }).find("cannot be created: Permission denied"), std::string::npos);
+  EXPECT_NE(failure([&] { require_writable(directory / "locked/a"); }).find("cannot be created: Permission denied"),
+            std::string::npos);
 }
 
 TEST(file_aside_test, a_new_file_has_the_permissions_that_the_user_wants) {

@@ -92,8 +92,9 @@ TEST_F(merge_command_test, another_render_is_refused_with_all_that_differs) {
   Checkpoint other = second;
   other.identity = {{"scene", "fedcba9876543210"}, {"seed", "8"}};
   write_checkpoint(b, other);
-  expect_refused(merge_them({"-o", image.string()}),
-                 {b + ": is of another render", "scene is fedcba9876543210, expected 0123456789abcdef", "seed is 8, expected 7"});
+  expect_refused(
+      merge_them({"-o", image.string()}),
+      {b + ": is of another render", "scene is fedcba9876543210, expected 0123456789abcdef", "seed is 8, expected 7"});
 }
 
 TEST_F(merge_command_test, a_damaged_part_is_refused_and_what_was_there_is_kept) {

@@ -103,12 +103,14 @@ TEST(merge_test, sums_and_counts_are_those_of_all_parts) {
     EXPECT_EQ(sum.film.pixels[i].rejected, rejected);
     EXPECT_EQ(sum.film.pixels[i].hits, hits);
     for (int c = 0; c < 3; ++c)
-      EXPECT_EQ(limbs_of(sum.film.pixels[i].sum[c]), big_sum(addends([&](const Film& film) { return limbs_of(film.pixels[i].sum[c]); })));
+      EXPECT_EQ(limbs_of(sum.film.pixels[i].sum[c]),
+                big_sum(addends([&](const Film& film) { return limbs_of(film.pixels[i].sum[c]); })));
     for (int k = 0; k < 6; ++k)
       EXPECT_EQ(limbs_of(sum.film.moments[i].product[k]),
                 big_sum(addends([&](const Film& film) { return limbs_of(film.moments[i].product[k]); })));
     for (int c = 0; c < 3; ++c) {
-      EXPECT_EQ(limbs_of(sum.film.errors[i].sum[c]), big_sum(addends([&](const Film& film) { return limbs_of(film.errors[i].sum[c]); })));
+      EXPECT_EQ(limbs_of(sum.film.errors[i].sum[c]),
+                big_sum(addends([&](const Film& film) { return limbs_of(film.errors[i].sum[c]); })));
       EXPECT_EQ(limbs_of(sum.film.errors[i].square[c]),
                 big_sum(addends([&](const Film& film) { return limbs_of(film.errors[i].square[c]); })));
     }
@@ -159,9 +161,11 @@ TEST(merge_test, overlapping_samples_are_refused_with_both_ranges) {
     }
 }
 
-// Its last samples count in the mean, but make no replica; the errors hold complete ones alone, and are sums like the film's own.
+// Its last samples count in the mean, but make no replica; the errors hold complete ones alone, and are sums like the film's
+// own.
 TEST(merge_test, a_part_may_end_within_a_replica) {
-  const Checkpoint sum = merge({random_checkpoint({{0, 40}}, 1), random_checkpoint({{64, 15}}, 2), random_checkpoint({{48, 16}}, 3)});
+  const Checkpoint sum =
+      merge({random_checkpoint({{0, 40}}, 1), random_checkpoint({{64, 15}}, 2), random_checkpoint({{48, 16}}, 3)});
   EXPECT_EQ(sum.ranges, (std::vector<SampleRange>{{0, 40}, {48, 31}}));
   EXPECT_EQ(sum.film.samples, 71u);
   EXPECT_EQ(sum.film.replicas, 3u);
@@ -172,7 +176,8 @@ TEST(merge_test, every_difference_between_two_renders_is_named_with_both_values)
   const Identity found = {{"seed", "2"}, {"scene", "bb"}, {"max depth", "5"}, {"only there", "y"}};
   const std::string message = refusal([&] { require_same(expected, found, "b.checkpoint"); });
   EXPECT_EQ(message,
-            "b.checkpoint: is of another render: scene is bb, expected aa; seed is 2, expected 1; only here is absent, expected x; "
+            "b.checkpoint: is of another render: scene is bb, expected aa; seed is 2, expected 1; only here is absent, "
+            "expected x; "
             "only there is y, expected none");
   EXPECT_NO_THROW(require_same(expected, {expected.rbegin(), expected.rend()}, "b"));
 }

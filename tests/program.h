@@ -12,5 +12,9 @@ struct ProgramResult {
 
 ProgramResult run_oclair(const std::vector<std::string>& arguments);
 
-// The same with standard output to a file, which exists, or closed if no file is named; ProgramResult::out is empty.
+// The same, but SIGKILL ends it after so many seconds, unless it has ended by itself.
+ProgramResult run_oclair_for(double seconds, const std::vector<std::string>& arguments);
+
+// The same as run_oclair with standard output to a file, which exists, or closed if no file is named; ProgramResult::out is
+// empty.
 ProgramResult run_oclair_into(const std::filesystem::path& out, const std::vector<std::string>& arguments);

@@ -27,10 +27,12 @@ const std::vector<std::pair<std::string, std::string>> files = {
 
 const std::string shape_of_ply = "<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/>";
 const std::string content =
-    SENSOR + "<default name=\"r\" value=\"1\"/><include filename=\"part/inc.xml\"/><include filename=\"part/inc.xml\"/>" + shape_of_ply +
-    "<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"albedo.png\"/></texture>"
-    "</bsdf></shape><shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>" + shape_of_ply +
-    "</shape><emitter type=\"envmap\"><string name=\"filename\" value=\"sky.png\"/></emitter>";
+    SENSOR + "<default name=\"r\" value=\"1\"/><include filename=\"part/inc.xml\"/><include filename=\"part/inc.xml\"/>" +
+    shape_of_ply +
+    "<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" "
+    "value=\"albedo.png\"/></texture>"
+    "</bsdf></shape><shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>" +
+    shape_of_ply + "</shape><emitter type=\"envmap\"><string name=\"filename\" value=\"sky.png\"/></emitter>";
 
 struct WholeScene {
   SceneDirectory directory;
@@ -93,7 +95,8 @@ TEST(scene_hash_test, files_that_change_places_change_the_hash) {
 
 TEST(scene_hash_test, definitions_count) {
   const World world = WholeScene().directory.read(content);
-  const Definitions all[] = {{}, {{"r", "1"}}, {{"r", "2"}}, {{"r", "12"}}, {{"r1", "2"}}, {{"r", "1"}, {"s", "1"}}, {{"r", "1s1"}}};
+  const Definitions all[] = {
+      {}, {{"r", "1"}}, {{"r", "2"}}, {{"r", "12"}}, {{"r1", "2"}}, {{"r", "1"}, {"s", "1"}}, {{"r", "1s1"}}};
   std::set<std::string> hashes;
   for (const Definitions& definitions : all) hashes.insert(scene_hash(world, definitions));
   EXPECT_EQ(hashes.size(), std::size(all));

@@ -16,16 +16,12 @@ namespace fs = std::filesystem;
 
 struct MergeOptions {
   std::vector<std::string> parts;
-  std::optional<fs::path> image, checkpoint;  // at least one
+  ImageFiles images;
+  std::optional<fs::path> checkpoint;  // an image or this, or both
 };
 
-ImageFiles files_of(const MergeOptions& options) {
-  if (!options.image) return {};
-  return options.image->extension() == ".png" ? ImageFiles{{}, options.image} : ImageFiles{options.image, {}};
-}
-
-// One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said before
-// the long work.
+// One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said
+// before the long work.
 Checkpoint merged(const std::vector<std::string>& parts) {
   std::vector<Checkpoint> heads;
   for (const std::string& part : parts) heads.push_back(read_checkpoint_head(part));
@@ -36,9 +32,9 @@ Checkpoint merged(const std::vector<std::string>& parts) {
 }
 
 Exit merge_files(const MergeOptions& options) {
+  reproducible_date();  // wrong ones are refused now
+  require_writable(options.images);
   std::unique_ptr<CheckpointLock> lock;
-  const ImageFiles files = files_of(options);
-  require_writable(files);
   if (options.checkpoint) {
     lock = std::make_unique<CheckpointLock>(*options.checkpoint);
     require_writable(*options.checkpoint);
@@ -48,11 +44,11 @@ Exit merge_files(const MergeOptions& options) {
   const Checkpoint sum = merged(options.parts);
   progress.begin("write");
   if (options.checkpoint) write_checkpoint(*options.checkpoint, sum);
-  write_images(files, sum, {});
+  write_images(options.images, sum, {});
   progress.end();
-  if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
-  print_files(files);
   if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
+  if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
+  print_files(options.images);
   return Exit::success;
 }
 
@@ -60,14 +56,18 @@ Exit merge_files(const MergeOptions& options) {
 
 Command merge_command(CLI::App& program) {
   const auto options = std::make_shared<MergeOptions>();
+  const auto image = std::make_shared<fs::path>();
   CLI::App& line = *program.add_subcommand("merge", "Joins checkpoints of one render to the image of all their samples");
   line.add_option("CHECKPOINT", options->parts, "checkpoints of disjoint samples")->required();
-  line.add_option("-o,--output", options->image, "image to write: .exr or .png")->type_name("FILE");
-  line.add_option("--checkpoint", options->checkpoint, "checkpoint to write; may be one of those that are read")->type_name("FILE");
-  return {&line, [options] {
-            if (!options->image && !options->checkpoint) throw Error(Exit::usage, "merge: expected --output or --checkpoint");
-            if (options->image && options->image->extension() != ".exr" && options->image->extension() != ".png")
-              throw Error(Exit::usage, "--output '" + options->image->string() + "': expected a name in .exr or .png");
+  line.add_option("-o,--output", *image, "image to write: .exr or .png")->type_name("FILE");
+  line.add_option("--checkpoint", options->checkpoint, "checkpoint to write; may be one of those that are read")
+      ->type_name("FILE");
+  return {&line, [options, image] {
+            if (image->extension() == ".exr") options->images.exr = *image;
+            else if (image->extension() == ".png") options->images.png = *image;
+            else if (!image->empty() || !options->checkpoint)
+              throw Error(Exit::usage,
+                          "--output '" + image->string() + "': expected a name in .exr or .png, or else --checkpoint");
             return merge_files(*options);
           }};
 }

@@ -1,0 +1,151 @@
+// Renders that are killed and resumed, and renders in parts, against an undisturbed one: the same bits.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "../host/checkpoint_lock.h"
+#include "checkpoint_cases.h"
+#include "exr_reader.h"
+#include "program.h"
+#include "temporary_directory.h"
+
+namespace {
+
+using namespace oclair;
+using namespace oclair::test;
+namespace fs = std::filesystem;
+
+const fs::path scenes = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes";
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Nothing in the header of an image may differ between two equal runs.
+class resume_image : public testing::Test {
+ protected:
+  resume_image() { setenv("SOURCE_DATE_EPOCH", "0", 1); }
+  ~resume_image() override { unsetenv("SOURCE_DATE_EPOCH"); }
+
+  // Arguments of a render of cornell.xml to this name in the directory; its checkpoint stays.
+  std::vector<std::string> render(const std::string& name, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"render",       (scenes / "cornell.xml").string(), "--size", "24x16", "-o",
+                                          image_of(name), "--checkpoint",                    checkpoint_of(name)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  std::string image_of(const std::string& name) const { return directory / (name + ".exr"); }
+  std::string checkpoint_of(const std::string& name) const { return directory / (name + ".checkpoint"); }
+
+  void expect_same_files(const std::string& a, const std::string& b) const {
+    EXPECT_EQ(content(image_of(a)), content(image_of(b)));
+    expect_same_film(read_checkpoint(checkpoint_of(a)).film, read_checkpoint(checkpoint_of(b)).film);
+  }
+
+  const TemporaryDirectory directory;
+};
+
+double seconds_of(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Until 50 kills are done; a render that comes to its end meanwhile is compared, and the next one begins. The moments are
+// spread over the time that an undisturbed run takes: some fall before the first checkpoint, some among the passes, some
+// into writing.
+TEST_F(resume_image, a_render_killed_at_random_ends_with_the_bits_of_an_undisturbed_one) {
+  const auto arguments = [this](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.end(), {"--spp", "600", "--sampler", "sobol"});
+    return render(name, more);
+  };
+  double undisturbed = 0;
+  for (int run = 0; run < 2; ++run)  // the first one compiles the kernel
+    undisturbed = seconds_of([&] { EXPECT_EQ(run_oclair(arguments("whole", {"--restart"})).exit, 0); });
+  Random random(1);
+  std::uint64_t samples = 0;
+  int kills = 0, ends = 0, with_checkpoint = 0;
+  while (kills < 50 || ends == 0) {
+    const double patience = kills < 50 ? random.between(0.0, 1.2 * undisturbed) : 60.0 * undisturbed + 60.0;
+    const ProgramResult result = run_oclair_for(patience, arguments("killed", {"--resume", "--every", "0.01s"}));
+    if (result.exit == 0) {
+      ++ends;
+      samples = 0;
+      expect_same_files("killed", "whole");
+      fs::remove(checkpoint_of("killed"));
+      fs::remove(image_of("killed"));
+      continue;
+    }
+    ASSERT_EQ(result.exit, 128 + 9) << result.err;
+    ++kills;
+    if (fs::exists(checkpoint_of("killed"))) {
+      ++with_checkpoint;
+      const std::uint64_t kept = read_checkpoint(checkpoint_of("killed")).film.samples;  // throws if it is broken
+      EXPECT_GE(kept, samples);
+      samples = kept;
+    }
+    if (fs::exists(image_of("killed"))) {
+      EXPECT_FALSE(read_exr(image_of("killed")).channels.empty());  // likewise
+    }
+  }
+  EXPECT_GT(with_checkpoint, 10);
+  for (const std::string& name : directory.names())
+    EXPECT_TRUE(name.starts_with("whole.") || name.starts_with("killed.")) << name;
+}
+
+TEST_F(resume_image, a_second_render_into_one_checkpoint_is_refused) {
+  const CheckpointLock lock(checkpoint_of("a"));
+  const ProgramResult result = run_oclair(render("a", {"--spp", "1"}));
+  EXPECT_EQ(result.exit, 1);
+  EXPECT_NE(result.err.find("a.checkpoint: is being written by process " + std::to_string(getpid())), std::string::npos) << result.err;
+  EXPECT_EQ(directory.names(), std::vector<std::string>{"a.checkpoint.lock"});
+}
+
+TEST_F(resume_image, a_render_that_is_given_more_samples_ends_with_the_bits_of_one_that_had_them_at_once) {
+  ASSERT_EQ(run_oclair(render("grown", {"--spp", "7"})).exit, 0);
+  ASSERT_EQ(run_oclair(render("grown", {"--spp", "40", "--resume"})).exit, 0);
+  ASSERT_EQ(run_oclair(render("whole", {"--spp", "40"})).exit, 0);
+  expect_same_files("grown", "whole");
+}
+
+TEST_F(resume_image, a_checkpoint_of_another_render_is_refused_with_all_that_differs_and_kept) {
+  ASSERT_EQ(run_oclair(render("a", {"--spp", "2"})).exit, 0);
+  const std::string before = content(checkpoint_of("a"));
+  const std::pair<std::vector<std::string>, std::vector<std::string>> others[] = {
+      {{"--seed", "9"}, {"seed is 0, expected 9"}},
+      {{"--sampler", "sobol", "--max-depth", "3"}, {"sampler is independent, expected sobol", "max depth is "}}};
+  for (const auto& [options, differences] : others) {
+    std::vector<std::string> arguments = {"--spp", "4", "--resume"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProgramResult result = run_oclair(render("a", arguments));
+    EXPECT_EQ(result.exit, 1);
+    for (const std::string& difference : differences)
+      EXPECT_NE(result.err.find(difference), std::string::npos) << difference << " is missing in:\n" << result.err;
+    EXPECT_EQ(content(checkpoint_of("a")), before);
+  }
+}
+
+// The line of docs/farm.md with xargs in the place of parallel: processes of their own, two at a time.
+TEST_F(resume_image, parts_by_separate_processes_are_merged_to_the_bits_of_a_single_render) {
+  for (const std::string sampler : {"independent", "sobol"}) {
+    const std::string oclair = std::string("'") + OCLAIR_PROGRAM + "'", at = "'" + (directory / "").string();
+    const std::string parts = "seq 0 3 | xargs -P 2 -I{} sh -c \"" + oclair + " render '" + (scenes / "cornell.xml").string() +
+                              "' --size 24x16 --sampler " + sampler + " --samples \\$((32*{})):32 --resume -o " + at + "part-{}.exr'\"";
+    const std::string merging = oclair + " merge " + at + "'part-*.checkpoint -o '" + image_of("merged") + "' --checkpoint '" +
+                                checkpoint_of("merged") + "'";
+    ASSERT_EQ(std::system(("(" + parts + " && " + merging + ") >/dev/null 2>&1").c_str()), 0) << parts << "\n" << merging;
+    ASSERT_EQ(run_oclair(render("whole", {"--spp", "128", "--sampler", sampler, "--restart"})).exit, 0);
+    expect_same_files("merged", "whole");
+    for (int k = 0; k < 4; ++k)
+      for (const char* ending : {".exr", ".checkpoint"})
+        EXPECT_TRUE(fs::remove(directory / ("part-" + std::to_string(k) + ending)));
+  }
+}
+
+}  // namespace

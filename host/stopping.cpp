@@ -100,7 +100,7 @@ void ErrorMonitor::set_weights(const Film& film) {
   variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
-    pixel.weight = black_ ? 0.0f : static_cast<float>(1.0 / (square(known_mean(film, i)) + floor));
+    pixel.weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
     const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
@@ -121,8 +121,9 @@ std::array<double, 3> ErrorMonitor::take_block(const Film& film, std::size_t i) 
   Pixel& pixel = pixels_[i];
   const std::uint64_t rejected = film.pixels[i].rejected;
   const double taken = static_cast<double>((film.samples - samples_) - (rejected - pixel.rejected));
-  // Rounded twice to double, which is finer than the sums need here, and quicker than pixel_mean.
-  const double unit = std::ldexp(1.0, film.exponent - FILM_FRACTION_BITS);
+  // Relative to the film's scale, so that no scale of light overflows; rounded twice to double, which is enough here and quicker than
+  // pixel_mean.
+  const double unit = std::ldexp(1.0, -FILM_FRACTION_BITS);
   std::array<double, 3> block{};
   for (int c = 0; c < 3; ++c) {
     const ulong* const limbs = film.pixels[i].sum[c];

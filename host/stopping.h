@@ -22,6 +22,8 @@ class ErrorMonitor {
   // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
   static constexpr std::uint64_t usual_block = REPLICA_SAMPLES;
 
+  static std::size_t bytes(std::size_t pixels) { return pixels * sizeof(Pixel); }  // of memory, from the first film on
+
   // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
   ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
 
@@ -37,10 +39,10 @@ class ErrorMonitor {
 
  private:
   struct Pixel {
-    std::array<double, 3> sum;    // radiance times accepted samples, up to the last film
+    std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
     std::uint64_t rejected;       // up to the last film
     std::array<float, 3> first;   // mean of the first block of a pair
-    float weight;                 // 1 / (|mu|^2 + floor), from what was known before the pair
+    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
     double variance_sum;          // over all pairs: |difference of two block means|^2 / 2, without weight
   };
 

@@ -73,7 +73,8 @@ double error(const Film& film, const std::vector<double>& truth) {
 
 // Renders until the monitor is content, with so many seeds. If each render breaks its promise with a probability of 5 %, then k or
 // more of n do so with a probability of exp(-n KL(k / n, 0.05)) at most (Chernoff 1952).
-void expect_kept(const World& world, const std::vector<double>& truth, double target, int renders) {
+void expect_kept(World world, SamplerKind sampler, const std::vector<double>& truth, double target, int renders) {
+  world.sampler = sampler;
   int missed = 0;
   double samples = 0.0, errors = 0.0;
   for (int r = 0; r < renders; ++r) {
@@ -95,7 +96,8 @@ void expect_kept(const World& world, const std::vector<double>& truth, double ta
     samples += static_cast<double>(film.samples) / renders;
     errors += e / renders;
   }
-  std::printf("error %g: of %d renders %d missed, mean error %.4g, mean samples per pixel %.0f\n", target, renders, missed, errors, samples);
+  std::printf("%s sampler, error %g: of %d renders %d missed, mean error %.4g, mean samples per pixel %.0f\n",
+              sampler == SAMPLER_SOBOL ? "Sobol" : "independent", target, renders, missed, errors, samples);
   const double n = renders, share = missed / n, promised = 1.0 - confidence;
   if (share > promised) {
     const double divergence = share * std::log(share / promised) + (1.0 - share) * std::log((1.0 - share) / (1.0 - promised));
@@ -107,9 +109,14 @@ void expect_kept(const World& world, const std::vector<double>& truth, double ta
 }  // namespace
 
 TEST(stopping_image, a_plate_below_a_square_light_has_the_error_that_was_certified) {
-  expect_kept(plate(), plate_truth(), 0.012, 100);
+  expect_kept(plate(), SAMPLER_INDEPENDENT, plate_truth(), 0.012, 100);
+}
+
+// With fewer samples, as the sampler's error is smaller: replicas, not samples, are what is independent.
+TEST(stopping_image, the_plate_rendered_by_sobol_points_has_the_error_that_was_certified) {
+  expect_kept(plate(), SAMPLER_SOBOL, plate_truth(), 0.006, 100);
 }
 
 TEST(stopping_image, a_furnace_with_roulette_has_the_error_that_was_certified) {
-  expect_kept(furnace(), std::vector<double>(std::size_t{side} * side, 2.0), 0.028, 100);
+  expect_kept(furnace(), SAMPLER_INDEPENDENT, std::vector<double>(std::size_t{side} * side, 2.0), 0.028, 100);
 }

@@ -110,21 +110,37 @@ TEST(stopping_test, more_confidence_is_a_higher_bound) {
 }
 
 TEST(stopping_test, light_scaled_by_a_power_of_two_changes_no_bit) {
-  std::vector<double> bounds[2];
-  for (int k = 0; k < 2; ++k) {
+  std::vector<double> first;
+  for (const int exponent : {0, 40, -300, 300}) {
     Render render;
-    render.film.exponent = k == 0 ? 0 : 40;  // the same sums in larger units
     ErrorMonitor monitor(0.01, 0.95);
+    std::vector<double> bounds;
     for (int i = 0; i < 30; ++i) {
-      const int exponent = std::exchange(render.film.exponent, 0);
+      render.film.exponent = 0;
       render.samples(block, 1.0, 0.5);
-      render.film.exponent = exponent;
+      render.film.exponent = exponent;  // the same sums in other units
       monitor.add(render.film);
-      if (monitor.bound()) bounds[k].push_back(*monitor.bound());
+      if (monitor.bound()) bounds.push_back(*monitor.bound());
     }
+    EXPECT_EQ(bounds.size(), 26u);  // from the second pair on
+    if (first.empty()) first = bounds;
+    EXPECT_EQ(bounds, first) << exponent;
   }
-  EXPECT_EQ(bounds[0].size(), 26u);  // from the second pair on
-  EXPECT_EQ(bounds[0], bounds[1]);
+}
+
+// Pixels of which a sample holds no more than some units of the film, and pixels at its upper end.
+TEST(stopping_test, radiances_at_both_ends_of_the_film_are_judged_alike) {
+  for (const double level : {0x1p-40, 0x1p-20, 16.0}) {
+    Render render;
+    ErrorMonitor monitor(0.05, 0.95);
+    while (!monitor.certified() && render.film.samples < 2 * fewest) {
+      render.samples(block, level, 0.5);
+      monitor.add(render.film);
+    }
+    EXPECT_EQ(render.film.samples, fewest) << level << monitor.why_not();
+    const double exact = 0.5 / std::sqrt(3.0 * 1.01 * 129.0);
+    EXPECT_NEAR(*monitor.estimate(), exact, 0.08 * exact);
+  }
 }
 
 TEST(stopping_test, a_black_picture_is_never_certified) {

@@ -194,7 +194,14 @@ TEST(texture_file_test, exr_of_several_parts_is_its_first) {
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   const Image image = parse_image(bytes);
   EXPECT_EQ(texels<float>(image), (std::vector<float>{0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f}));
-  for (std::size_t size = 0; size < bytes.size(); ++size) ASSERT_NE(refusal(bytes.substr(0, size)), "") << size << " of " << bytes.size();
+  // Of a truncated file it is the whole first part or nothing.
+  std::size_t refused = 0;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const std::string beginning = bytes.substr(0, size);
+    if (refusal(beginning) != "") ++refused;
+    else ASSERT_EQ(texels<float>(parse_image(beginning)), texels<float>(image)) << size;
+  }
+  EXPECT_GT(refused, bytes.size() / 2);
 }
 
 // Headers that promise more than the file holds are refused before memory is taken for it.

@@ -7,6 +7,10 @@
 
 #include "vector.h"
 
+#if REPLICA_BITS != 4
+#error "sobol.h is written for nets of 16 points"
+#endif
+
 // Owen's scrambling of m = REPLICA_BITS binary digits, the first one highest: a digit is flipped or not by a bit for the digits before it.
 // Bit 1 of the tree is for the first digit, bits 2 and 3 for the second one, and so on; the lowest 2^m bits of the word are read.
 INLINE uint sobol_scramble(uint digits, uint tree) {

@@ -64,6 +64,7 @@ World read_scene(const std::filesystem::path& file, const Definitions& definitio
     begin("parse");
     Document document = read_document(file, definitions);
     World world;
+    world.sampler = SAMPLER_SOBOL;  // docs/decisions/sampler.md; of a <sampler>, only the count and the seed are asked for
     world.files = document.files;
     world.warnings = document.warnings;
     begin("meshes");

@@ -155,6 +155,7 @@ TEST(reader_test, filters_have_the_radii_of_mitsuba) {
   EXPECT_DOUBLE_EQ(gaussian.filter_radius, 3.2);  // measured
 }
 
+// And nothing else: which numbers are drawn is not the scene's to say.
 TEST(reader_test, samplers_of_every_type_give_count_and_seed) {
   for (const std::string type : {"independent", "stratified", "multijitter", "orthogonal", "ldsampler"}) {
     const auto world =
@@ -162,6 +163,7 @@ TEST(reader_test, samplers_of_every_type_give_count_and_seed) {
                "\"><integer name=\"sample_count\" value=\"5\"/><integer name=\"seed\" value=\"7\"/></sampler>");
     EXPECT_EQ(world.samples_per_pixel, 5u);
     EXPECT_EQ(world.seed, 7u);
+    EXPECT_EQ(world.sampler, SAMPLER_SOBOL);
   }
 }
 

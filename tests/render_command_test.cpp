@@ -199,6 +199,25 @@ TEST(render_command_test, moments_are_channels_named_like_the_nested_integrator)
   }
 }
 
+TEST(render_command_test, sampler_is_sobol_unless_asked_otherwise_and_is_named_in_the_header) {
+  const TemporaryDirectory directory;
+  const auto render = [&](std::vector<std::string> more) {
+    const fs::path exr = directory / "a.exr";
+    std::vector<std::string> arguments = {"render", (scenes / "lambert.xml").string(), "-o", exr.string(), "--spp", "2", "--size", "16x16"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = run_oclair(arguments);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    return read_exr(exr);
+  };
+  const auto named = [](const ExrFile& file) { return std::get<std::string>(file.attributes.at("sampler")); };
+  const ExrFile plain = render({}), sobol = render({"--sampler", "sobol"}), independent = render({"--sampler", "independent"});
+  EXPECT_EQ(named(plain), "sobol");
+  EXPECT_EQ(named(sobol), "sobol");
+  EXPECT_EQ(named(independent), "independent");
+  EXPECT_EQ(plain.channels.at("R"), sobol.channels.at("R"));
+  EXPECT_NE(independent.channels.at("R"), sobol.channels.at("R"));
+}
+
 // Aluminium, whose reflectance Schlick's curve misses by some per cent at 50 to 60 degrees.
 TEST(render_command_test, approximations_change_the_image_and_are_named_in_its_header) {
   const TemporaryDirectory directory;

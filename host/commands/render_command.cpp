@@ -78,7 +78,7 @@ Command render_command(CLI::App& program) {
   line.option_defaults()->group("What is rendered");
   text("--size", "WIDTHxHEIGHT", "film in pixels", [o](Name name, Given given) { o->size = film_size(name, given); });
   number("--seed", 0, any, "seed of the random numbers", [o](std::uint64_t n) { o->seed = n; });
-  text("--sampler", "independent|sobol", "random numbers: independent ones, or scrambled Sobol points; default: independent",
+  text("--sampler", "independent|sobol", "random numbers: independent ones, or scrambled Sobol points; default: sobol",
        [o](Name name, Given given) { o->sampler = sampler(name, given); });
   number("--max-depth", 0, std::numeric_limits<unsigned>::max(), "longest path, in segments; 1: directly visible light only",
          [o](std::uint64_t n) { o->max_depth = static_cast<unsigned>(n); });

@@ -91,6 +91,15 @@ TEST_F(checkpoint_test, what_is_written_comes_back) {
   expect_same(read_checkpoint(path), plain);
 }
 
+TEST_F(checkpoint_test, a_film_of_one_pixel_comes_back) {
+  Checkpoint one = random_checkpoint({{0, 1}}, 3);
+  one.film = random_film(1, 1, one.ranges, true, 3);
+  one.head.film.crop_width = one.head.film.crop_height = 1;
+  one.layers.clear();
+  write_checkpoint(path, one);
+  expect_same(read_checkpoint(path), one);
+}
+
 TEST_F(checkpoint_test, two_equal_checkpoints_have_equal_bytes) {
   write_checkpoint(path, small);
   EXPECT_EQ(content(path), bytes);

@@ -47,7 +47,7 @@ class resume_image : public testing::Test {
   std::string checkpoint_of(const std::string& name) const { return directory / (name + ".checkpoint"); }
 
   void expect_same_files(const std::string& a, const std::string& b) const {
-    EXPECT_EQ(content(image_of(a)), content(image_of(b)));
+    EXPECT_TRUE(content(image_of(a)) == content(image_of(b)));
     expect_same_film(read_checkpoint(checkpoint_of(a)).film, read_checkpoint(checkpoint_of(b)).film);
   }
 
@@ -128,7 +128,7 @@ TEST_F(resume_image, a_second_render_into_one_checkpoint_is_refused) {
 }
 
 TEST_F(resume_image, a_render_that_is_given_more_samples_ends_with_the_bits_of_one_that_had_them_at_once) {
-  ASSERT_EQ(run_oclair(render("grown", {"--spp", "7"})).exit, 0);
+  ASSERT_EQ(run_oclair(render("grown", {"--spp", "23"})).exit, 0);
   ASSERT_EQ(run_oclair(render("grown", {"--spp", "40", "--resume"})).exit, 0);
   ASSERT_EQ(run_oclair(render("whole", {"--spp", "40"})).exit, 0);
   expect_same_files("grown", "whole");
@@ -147,7 +147,7 @@ TEST_F(resume_image, a_checkpoint_of_another_render_is_refused_with_all_that_dif
     EXPECT_EQ(result.exit, 1);
     for (const std::string& difference : differences)
       EXPECT_NE(result.err.find(difference), std::string::npos) << difference << " is missing in:\n" << result.err;
-    EXPECT_EQ(content(checkpoint_of("a")), before);
+    EXPECT_TRUE(content(checkpoint_of("a")) == before);
   }
 }
 

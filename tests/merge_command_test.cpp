@@ -68,9 +68,9 @@ TEST_F(merge_command_test, the_image_of_the_parts_is_that_of_their_joined_checkp
   EXPECT_EQ(exr.window.film_height, 7u);
   fs::remove(image);
   EXPECT_EQ(run_oclair({"merge", joined_file.string(), "-o", image.string()}).exit, 0);
-  EXPECT_EQ(content(image), expected);
+  EXPECT_TRUE(content(image) == expected);
   EXPECT_EQ(run_oclair({"merge", b, a, "-o", image.string()}).exit, 0);
-  EXPECT_EQ(content(image), expected);
+  EXPECT_TRUE(content(image) == expected);
   const fs::path png = directory / "image.png";
   EXPECT_EQ(merge_them({"-o", png.string()}).out, png.string() + "\n");
   EXPECT_TRUE(fs::exists(png));

@@ -29,15 +29,10 @@ std::string content(std::FILE* file) {
   _exit(127);
 }
 
-int wait_for(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return status;
-}
-
-// `connect_out` runs in the child and gives it its standard output; `wait` returns the status with which it ended.
-template <typename ConnectOut, typename Wait>
-ProgramResult run(const std::vector<std::string>& arguments, ConnectOut connect_out, Wait wait) {
+// `connect_out` runs in the child and gives it its standard output.
+template <typename ConnectOut>
+ProgramResult run(const std::vector<std::string>& arguments, ConnectOut connect_out,
+                  const std::function<void(pid_t)>& meanwhile = {}) {
   std::FILE* const err = std::tmpfile();
   if (!err) throw std::runtime_error("no temporary file");
   const pid_t child = fork();
@@ -47,36 +42,33 @@ ProgramResult run(const std::vector<std::string>& arguments, ConnectOut connect_
     dup2(fileno(err), STDERR_FILENO);
     become_oclair(arguments);
   }
-  const int status = wait(child);
+  if (meanwhile) meanwhile(child);
+  int status = 0;
+  waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), "", content(err)};
-}
-
-template <typename Wait>
-ProgramResult run_with_output(const std::vector<std::string>& arguments, Wait wait) {
-  std::FILE* const out = std::tmpfile();
-  if (!out) throw std::runtime_error("no temporary file");
-  ProgramResult result = run(arguments, [&] { dup2(fileno(out), STDOUT_FILENO); }, wait);
-  result.out = content(out);
-  return result;
 }
 
 }  // namespace
 
-ProgramResult run_oclair(const std::vector<std::string>& arguments) { return run_with_output(arguments, wait_for); }
+ProgramResult run_oclair(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile) {
+  std::FILE* const out = std::tmpfile();
+  if (!out) throw std::runtime_error("no temporary file");
+  ProgramResult result = run(arguments, [&] { dup2(fileno(out), STDOUT_FILENO); }, meanwhile);
+  result.out = content(out);
+  return result;
+}
+
+bool has_ended(pid_t process) {
+  siginfo_t info{};
+  return waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+}
 
 ProgramResult run_oclair_for(double seconds, const std::vector<std::string>& arguments) {
-  return run_with_output(arguments, [=](pid_t child) {
+  return run_oclair(arguments, [seconds](pid_t process) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-    int status = 0;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      if (Clock::now() >= end) {
-        kill(child, SIGKILL);
-        return wait_for(child);
-      }
-      std::this_thread::sleep_for(std::chrono::microseconds(500));
-    }
-    return status;
+    while (Clock::now() < end && !has_ended(process)) std::this_thread::sleep_for(std::chrono::microseconds(500));
+    kill(process, SIGKILL);
   });
 }
 
@@ -84,5 +76,5 @@ ProgramResult run_oclair_into(const std::filesystem::path& out, const std::vecto
   return run(arguments, [&] {
     close(STDOUT_FILENO);
     if (!out.empty() && open(out.c_str(), O_WRONLY) != STDOUT_FILENO) _exit(127);
-  }, wait_for);
+  });
 }

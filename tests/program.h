@@ -1,7 +1,10 @@
 // Runs the real program and returns what it said.
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,7 +13,9 @@ struct ProgramResult {
   std::string out, err;
 };
 
-ProgramResult run_oclair(const std::vector<std::string>& arguments);
+// `meanwhile` is told the running process, and may do as it likes before its end is waited for.
+ProgramResult run_oclair(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile = {});
+bool has_ended(pid_t process);
 
 // The same, but SIGKILL ends it after so many seconds, unless it has ended by itself.
 ProgramResult run_oclair_for(double seconds, const std::vector<std::string>& arguments);

@@ -1,5 +1,7 @@
 // Renders that are killed and resumed, and renders in parts, against an undisturbed one: the same bits.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -7,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <thread>
 
 #include "../host/checkpoint_lock.h"
 #include "checkpoint_cases.h"
@@ -44,8 +47,24 @@ class resume_image : public testing::Test {
   std::string checkpoint_of(const std::string& name) const { return directory / (name + ".checkpoint"); }
 
   void expect_same_files(const std::string& a, const std::string& b) const {
-    EXPECT_EQ(content(image_of(a)), content(image_of(b)));
+    EXPECT_TRUE(content(image_of(a)) == content(image_of(b)));
     expect_same_film(read_checkpoint(checkpoint_of(a)).film, read_checkpoint(checkpoint_of(b)).film);
+  }
+
+  // Of a render that makes a checkpoint every 0.2 s, with a fault that begins after the first one and is there at the end.
+  ProgramResult render_with_fault(const std::function<void(pid_t)>& fault) const {
+    const ProgramResult result = run_oclair(render("a", {"--time", "4s", "--every", "0.2s"}), [&](pid_t process) {
+      while (!fs::exists(checkpoint_of("a")) && !has_ended(process)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      fault(process);
+    });
+    EXPECT_EQ(result.exit, 1) << result.err;
+    return result;
+  }
+  void expect_to_go_on() const {
+    const std::string samples = std::to_string(read_checkpoint(checkpoint_of("a")).film.samples + 5);
+    ASSERT_EQ(run_oclair(render("a", {"--spp", samples, "--resume"})).exit, 0);
+    ASSERT_EQ(run_oclair(render("whole", {"--spp", samples})).exit, 0);
+    expect_same_files("a", "whole");
   }
 
   const TemporaryDirectory directory;
@@ -103,12 +122,13 @@ TEST_F(resume_image, a_second_render_into_one_checkpoint_is_refused) {
   const CheckpointLock lock(checkpoint_of("a"));
   const ProgramResult result = run_oclair(render("a", {"--spp", "1"}));
   EXPECT_EQ(result.exit, 1);
-  EXPECT_NE(result.err.find("a.checkpoint: is being written by process " + std::to_string(getpid())), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("a.checkpoint: is being written by process " + std::to_string(getpid())), std::string::npos)
+      << result.err;
   EXPECT_EQ(directory.names(), std::vector<std::string>{"a.checkpoint.lock"});
 }
 
 TEST_F(resume_image, a_render_that_is_given_more_samples_ends_with_the_bits_of_one_that_had_them_at_once) {
-  ASSERT_EQ(run_oclair(render("grown", {"--spp", "7"})).exit, 0);
+  ASSERT_EQ(run_oclair(render("grown", {"--spp", "23"})).exit, 0);
   ASSERT_EQ(run_oclair(render("grown", {"--spp", "40", "--resume"})).exit, 0);
   ASSERT_EQ(run_oclair(render("whole", {"--spp", "40"})).exit, 0);
   expect_same_files("grown", "whole");
@@ -127,16 +147,51 @@ TEST_F(resume_image, a_checkpoint_of_another_render_is_refused_with_all_that_dif
     EXPECT_EQ(result.exit, 1);
     for (const std::string& difference : differences)
       EXPECT_NE(result.err.find(difference), std::string::npos) << difference << " is missing in:\n" << result.err;
-    EXPECT_EQ(content(checkpoint_of("a")), before);
+    EXPECT_TRUE(content(checkpoint_of("a")) == before);
   }
+}
+
+// The limit lies between the sizes of an image and of a checkpoint, 70 kB.
+TEST_F(resume_image, a_disk_that_fills_up_keeps_the_last_checkpoint) {
+  sighandler_t before = signal(SIGXFSZ, SIG_IGN);  // also in the program
+  const ProgramResult result = render_with_fault([](pid_t process) {
+    rlimit room{};
+    prlimit(process, RLIMIT_FSIZE, nullptr, &room);
+    room.rlim_cur = 20000;
+    EXPECT_EQ(prlimit(process, RLIMIT_FSIZE, &room, nullptr), 0);
+  });
+  signal(SIGXFSZ, before);
+  EXPECT_NE(result.err.find("warning: " + checkpoint_of("a") + ": cannot be written: File too large, expected room"),
+            std::string::npos)
+      << result.err;
+  expect_to_go_on();
+}
+
+TEST_F(resume_image, a_checkpoint_replaced_by_a_directory_is_warned_of_and_the_directory_kept) {
+  const fs::path checkpoint = checkpoint_of("a"), saved = directory / "saved";
+  const ProgramResult result = render_with_fault([&](pid_t) {
+    for (std::error_code ignored; !fs::is_directory(checkpoint);) {  // it may be written anew between the two
+      fs::rename(checkpoint, saved, ignored);
+      fs::create_directory(checkpoint, ignored);
+    }
+    std::ofstream(checkpoint / "inside") << "kept";
+  });
+  EXPECT_NE(result.err.find("warning: " + checkpoint.string() + ": is a directory, expected the name of a file"),
+            std::string::npos)
+      << result.err;
+  EXPECT_EQ(content(checkpoint / "inside"), "kept");
+  fs::remove_all(checkpoint);
+  fs::rename(saved, checkpoint);
+  expect_to_go_on();
 }
 
 // The line of docs/farm.md with xargs in the place of parallel: processes of their own, two at a time.
 TEST_F(resume_image, parts_by_separate_processes_are_merged_to_the_bits_of_a_single_render) {
   for (const std::string sampler : {"independent", "sobol"}) {
     const std::string oclair = std::string("'") + OCLAIR_PROGRAM + "'", at = "'" + (directory / "").string();
-    const std::string parts = "seq 0 3 | xargs -P 2 -I{} sh -c \"" + oclair + " render '" + (scenes / "cornell.xml").string() +
-                              "' --size 24x16 --sampler " + sampler + " --samples \\$((32*{})):32 --resume -o " + at + "part-{}.exr'\"";
+    const std::string parts = "seq 0 3 | xargs -P 2 -I{} sh -c \"" + oclair + " render '" +
+                              (scenes / "cornell.xml").string() + "' --size 24x16 --sampler " + sampler +
+                              " --samples \\$((32*{})):32 --resume -o " + at + "part-{}.exr'\"";
     const std::string merging = oclair + " merge " + at + "'part-*.checkpoint -o '" + image_of("merged") + "' --checkpoint '" +
                                 checkpoint_of("merged") + "'";
     ASSERT_EQ(std::system(("(" + parts + " && " + merging + ") >/dev/null 2>&1").c_str()), 0) << parts << "\n" << merging;

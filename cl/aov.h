@@ -1,13 +1,13 @@
-// The first surface that the camera sees, without its light: what the layers of --aov say of a pixel. "First" is as path.h has it:
-// the camera ray goes through masks and through lights that are hidden; mirrors and glass are surfaces like others.
+// The first surface that the camera sees, without its light: what the layers of --aov say of a pixel. "First" is as path.h has
+// it: the camera ray goes through masks and through lights that are hidden; mirrors and glass are surfaces like others.
 #ifndef OCLAIR_AOV_H
 #define OCLAIR_AOV_H
 
 #include "path.h"
 #include "pixel.h"
 
-// In place of random bits: a mask lets through where more than half of the light goes through, of a blend the heavier material counts
-// (of blends within blends, one that is always the same).
+// In place of random bits: a mask lets through where more than half of the light goes through, of a blend the heavier material
+// counts (of blends within blends, one that is always the same).
 #define AOV_NO_CHANCE 0x8000000080000000ul
 
 typedef struct FirstSurface {

@@ -91,7 +91,8 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
     throw device_error(device, error);
   }
   std::vector<Layer> layers;
-  for (Channels* aov : {&channels.albedo, &channels.normal, &channels.depth, &channels.uv, &channels.primitive}) aov->append_to(layers);
+  for (Channels* aov : {&channels.albedo, &channels.normal, &channels.depth, &channels.uv, &channels.primitive})
+    aov->append_to(layers);
   return layers;
 }
 

@@ -1,4 +1,5 @@
-// Layers that say what is seen in each pixel, not how bright it is ("arbitrary output variables"), for compositing and denoising.
+// Layers that say what is seen in each pixel, not how bright it is ("arbitrary output variables"), for compositing and
+// denoising.
 #pragma once
 
 #include "layers.h"
@@ -12,10 +13,10 @@ struct Aovs {
   bool any() const { return albedo || normal || depth || uv || primitive; }
 };
 
-// The layers that are wanted, in the order of Aovs: albedo.R, G, B; normal.X, Y, Z (world space); depth.Z (in the scene's lengths); uv.U,
-// V; primitive.id (an integer). Means over the first AOV_SAMPLES samples of each pixel, but for the primitive; docs/image-files.md
-// defines them. They depend on the scene, its seed and its film alone. uv wants a scene with World::keep_uvs. The scene and the BVH are
-// those of the renderer. Throws Error(Exit::device).
+// The layers that are wanted, in the order of Aovs: albedo.R, G, B; normal.X, Y, Z (world space); depth.Z (in the scene's
+// lengths); uv.U, V; primitive.id (an integer). Means over the first AOV_SAMPLES samples of each pixel, but for the
+// primitive; docs/image-files.md defines them. They depend on the scene, its seed and its film alone. uv wants a scene with
+// World::keep_uvs. The scene and the BVH are those of the renderer. Throws Error(Exit::device).
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted);
 
 }  // namespace oclair

@@ -107,7 +107,8 @@ std::optional<std::int64_t> reproducible_date() {
   std::int64_t date = -1;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), date);
   if (error != std::errc() || stop != text.data() + text.size() || date < 0 || date > last)
-    throw Error(Exit::usage, "SOURCE_DATE_EPOCH '" + std::string(text) + "': expected seconds since 1970, from 0 to " + std::to_string(last));
+    throw Error(Exit::usage, "SOURCE_DATE_EPOCH '" + std::string(text) + "': expected seconds since 1970, from 0 to " +
+                                 std::to_string(last));
   return date;
 }
 

@@ -32,11 +32,11 @@ HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device&
 
 // What depends on the samples, or on how long they took.
 struct Figures {
-  std::vector<SampleRange> ranges;        // ascending and disjoint
-  std::uint64_t rejected = 0;             // samples, in all pixels together
+  std::vector<SampleRange> ranges;  // ascending and disjoint
+  std::uint64_t rejected = 0;       // samples, in all pixels together
   std::optional<std::uint64_t> rays;
-  std::optional<double> estimated_error;  // of the image, as --error counts it
-  std::string stopped;                    // which limit ended the render; empty: not said
+  std::optional<double> estimated_error;                // of the image, as --error counts it
+  std::string stopped;                                  // which limit ended the render; empty: not said
   std::vector<std::pair<std::string, double>> seconds;  // of each phase
 };
 
@@ -44,7 +44,8 @@ struct Figures {
 // runs, or a run and its parts merged: not the command line, what ended it, and the seconds.
 ImageAttributes header_attributes(const HeaderTexts& texts, const Figures& figures, std::optional<std::int64_t> date);
 
-// The environment's SOURCE_DATE_EPOCH (reproducible-builds.org/specs/source-date-epoch). Throws Error(Exit::usage) if it is no number.
+// The environment's SOURCE_DATE_EPOCH (reproducible-builds.org/specs/source-date-epoch). Throws Error(Exit::usage) if it is
+// no number.
 std::optional<std::int64_t> reproducible_date();
 
 // Of this process, quoted for a shell where that is needed.

@@ -32,8 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t MAX_ROW = std::uint64_t{1} << 24;        // bytes, all channels as 32 bits
-constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;      // bytes of a row of tiles
+constexpr std::uint64_t MAX_ROW = std::uint64_t{1} << 24;    // bytes, all channels as 32 bits
+constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;  // bytes of a row of tiles
 constexpr std::uint64_t ROWS_AT_ONCE = 256;
 
 class FileStream : public Imf::IStream {
@@ -60,7 +60,8 @@ File open_file(const fs::path& path) { return {std::fopen(path.c_str(), "rb"), &
 
 // On one line, without what would steer a terminal.
 std::string printable(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   return text;
 }
 
@@ -86,15 +87,17 @@ std::string text_of(const Imf::Attribute& attribute) {
     return std::to_string(a->value().n) + "/" + std::to_string(a->value().d);
   if (const auto* a = dynamic_cast<const Imf::ChromaticitiesAttribute*>(&attribute)) {
     const Imf::Chromaticities& c = a->value();
-    return numbers("red", c.red.x, c.red.y, "green", c.green.x, c.green.y, "blue", c.blue.x, c.blue.y, "white", c.white.x, c.white.y);
+    return numbers("red", c.red.x, c.red.y, "green", c.green.x, c.green.y, "blue", c.blue.x, c.blue.y, "white", c.white.x,
+                   c.white.y);
   }
   return printable("(" + std::string(attribute.typeName()) + ")");
 }
 
 bool is_structural(const std::string& name) {
-  constexpr std::array names = {"channels",          "compression",      "dataWindow", "displayWindow", "lineOrder",
-                                "pixelAspectRatio",  "screenWindowCenter", "screenWindowWidth", "tiles", "name",
-                                "type",              "version",          "chunkCount"};
+  constexpr std::array names = {
+      "channels",           "compression",       "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
+      "screenWindowCenter", "screenWindowWidth", "tiles",      "name",          "type",      "version",
+      "chunkCount"};
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -104,7 +107,9 @@ PartInfo describe(const Imf::Header& header) {
   PartInfo part;
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   if (header.hasName()) part.name = printable(header.name());
-  part.type = header.hasType() ? printable(header.type()) : header.hasTileDescription() ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE;
+  part.type = header.hasType()              ? printable(header.type())
+              : header.hasTileDescription() ? Imf::TILEDIMAGE
+                                            : Imf::SCANLINEIMAGE;
   part.width = extent(data.min.x, data.max.x);
   part.height = extent(data.min.y, data.max.y);
   part.x = std::int64_t{data.min.x} - display.min.x;
@@ -117,13 +122,15 @@ PartInfo describe(const Imf::Header& header) {
     part.channels.back().type = type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "uint";
   }
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
-    if (!is_structural(attribute.name())) part.attributes.emplace_back(printable(attribute.name()), text_of(attribute.attribute()));
+    if (!is_structural(attribute.name()))
+      part.attributes.emplace_back(printable(attribute.name()), text_of(attribute.attribute()));
   return part;
 }
 
 void require_at_most(const char* what, std::uint64_t bytes, std::uint64_t most) {
   if (bytes > most)
-    throw std::runtime_error(std::string(what) + " takes " + std::to_string(bytes) + " bytes, more than " + std::to_string(most));
+    throw std::runtime_error(std::string(what) + " takes " + std::to_string(bytes) + " bytes, more than " +
+                             std::to_string(most));
 }
 
 // Before anything is allocated for its pixels. No sum overflows: extents and numbers of channels are below 2^32.
@@ -133,8 +140,8 @@ void check_size(const Imf::Header& header, const PartInfo& part) {
   if (!header.hasTileDescription()) return;
   const Imf::TileDescription tiles = header.tileDescription();
   const std::uint64_t columns = std::max<std::uint64_t>(part.width, tiles.xSize);
-  require_at_most("a row of tiles", std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32
-                                                                                             : columns * tiles.ySize,
+  require_at_most("a row of tiles",
+                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32 : columns * tiles.ySize,
                   MAX_TILES / pixel);
 }
 
@@ -153,7 +160,8 @@ struct ChannelRows {
     values.assign(columns * rows, 0);
     const std::int64_t first_row = floor_divided(top, channel.ySampling);
     const auto stride = static_cast<std::int64_t>(4 * columns);
-    char* const base = reinterpret_cast<char*>(reinterpret_cast<std::intptr_t>(values.data()) - 4 * left - stride * first_row);
+    char* const base =
+        reinterpret_cast<char*>(reinterpret_cast<std::intptr_t>(values.data()) - 4 * left - stride * first_row);
     return {channel.type == Imf::UINT ? Imf::UINT : Imf::FLOAT, base, 4, 4 * columns, channel.xSampling, channel.ySampling};
   }
 
@@ -164,8 +172,10 @@ struct ChannelRows {
 void add_values(ChannelInfo& info, double& sum, const ChannelRows& rows, std::uint64_t first, std::uint64_t end) {
   for (std::uint64_t i = first; i < end; ++i) {
     const double value = rows.channel.type == Imf::UINT ? rows.values[i] : double{std::bit_cast<float>(rows.values[i])};
-    if (std::isnan(value)) ++info.nan;
-    else if (std::isinf(value)) ++info.infinite;
+    if (std::isnan(value))
+      ++info.nan;
+    else if (std::isinf(value))
+      ++info.infinite;
     else {
       ++info.finite;
       sum += value;
@@ -230,7 +240,8 @@ bool is_exr(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) return false;
   const File file = open_file(path);
   std::array<char, 4> first{};
-  return file && std::fread(first.data(), 1, first.size(), file.get()) == first.size() && first == std::array{'\x76', '\x2f', '\x31', '\x01'};
+  return file && std::fread(first.data(), 1, first.size(), file.get()) == first.size() &&
+         first == std::array{'\x76', '\x2f', '\x31', '\x01'};
 }
 
 std::vector<PartInfo> read_image_info(const fs::path& path) {

@@ -1,4 +1,5 @@
-// What an OpenEXR file holds, whoever has written it. The file is not trusted: whatever it claims is checked before memory is taken for it.
+// What an OpenEXR file holds, whoever has written it. The file is not trusted: whatever it claims is checked before memory
+// is taken for it.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,8 @@ struct ChannelInfo {
 struct PartInfo {
   std::string name;  // empty: has none
   std::string type;  // scanlineimage, tiledimage, deepscanline or deeptile; of deep parts the values are not looked at
-  std::uint64_t width = 0, height = 0;           // of the pixels that are stored
-  std::int64_t x = 0, y = 0;                     // of their first one, from the corner of the film
+  std::uint64_t width = 0, height = 0;  // of the pixels that are stored
+  std::int64_t x = 0, y = 0;            // of their first one, from the corner of the film
   std::uint64_t film_width = 0, film_height = 0;
   std::vector<ChannelInfo> channels;
   std::vector<std::pair<std::string, std::string>> attributes;  // but for those that OpenEXR itself needs

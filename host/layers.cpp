@@ -28,9 +28,12 @@ ImagePart colour_part(const Film& film, PixelFormat pixel_format, const std::str
   const ColourFormat format = colour_format(pixel_format);
   ImagePart part;
   part.name = format.luminance ? "y" : format.xyz ? "xyz" : "rgb";
-  if (format.luminance) part.channels = {"Y"};
-  else if (format.xyz) part.channels = {"X", "Y", "Z"};
-  else part.channels = {"R", "G", "B"};
+  if (format.luminance)
+    part.channels = {"Y"};
+  else if (format.xyz)
+    part.channels = {"X", "Y", "Z"};
+  else
+    part.channels = {"R", "G", "B"};
   if (format.alpha) {
     part.name += "a";
     part.channels.push_back("A");
@@ -44,7 +47,8 @@ ImagePart colour_part(const Film& film, PixelFormat pixel_format, const std::str
     const auto add = [&](double value) { values[channel++] = static_cast<float>(value); };
     const auto mean = pixel_mean(film, pixel);
     const glm::dvec3 rgb(mean[0], mean[1], mean[2]), xyz = xyz_of_rgb * rgb;
-    if (format.luminance) add(xyz.y);
+    if (format.luminance)
+      add(xyz.y);
     else
       for (int c = 0; c < 3; ++c) add(format.xyz ? xyz[c] : rgb[c]);
     if (format.alpha) add(pixel_alpha(film, pixel));
@@ -75,11 +79,12 @@ ImagePart count_part(const Film& film) {
   const auto count = [&film](std::size_t pixel) { return film.samples - film.pixels[pixel].rejected; };
   ImagePart part{"sampleCount", {"sampleCount.Y"}, {}};
   if (film.samples <= std::numeric_limits<std::uint32_t>::max())
-    part.values = ValuesOfPixel<std::uint32_t>(
-        [count](std::size_t pixel, std::span<std::uint32_t> values) { values[0] = static_cast<std::uint32_t>(count(pixel)); });
+    part.values = ValuesOfPixel<std::uint32_t>([count](std::size_t pixel, std::span<std::uint32_t> values) {
+      values[0] = static_cast<std::uint32_t>(count(pixel));
+    });
   else
-    part.values =
-        ValuesOfPixel<float>([count](std::size_t pixel, std::span<float> values) { values[0] = static_cast<float>(count(pixel)); });
+    part.values = ValuesOfPixel<float>(
+        [count](std::size_t pixel, std::span<float> values) { values[0] = static_cast<float>(count(pixel)); });
   return part;
 }
 
@@ -113,7 +118,8 @@ std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std:
     return false;
   };
   if (any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
-  if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; })) parts.push_back(count_part(film));
+  if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; }))
+    parts.push_back(count_part(film));
   for (std::size_t first = 0, end; first < layers.size(); first = end) {
     for (end = first + 1; end < layers.size() && part_name(layers[end]) == part_name(layers[first]);) ++end;
     parts.push_back(layer_part({layers.data() + first, end - first}));

@@ -1,13 +1,12 @@
-// The layers of --aov on analytic scenes. The camera rays of the first samples are taken from the device (camera_test judges them);
-// what they meet is worked out in double.
-#include "../host/aov.h"
-
+// The layers of --aov on analytic scenes. The camera rays of the first samples are taken from the device (camera_test judges
+// them); what they meet is worked out in double.
 #include <bit>
 #include <cstring>
 #include <functional>
 #include <map>
 #include <optional>
 
+#include "../host/aov.h"
 #include "image.h"
 #include "textured.h"
 
@@ -66,7 +65,9 @@ std::vector<Ray> camera_rays(const Renderer& renderer, const KernelOptions& opti
   std::vector<Ray> rays;
   for (uint y = 0; y < height; ++y)
     for (uint x = 0; x < width; ++x)
-      rays.push_back(states[(y / TILE_WIDTH * across + x / TILE_WIDTH) * WORK_GROUP_SIZE + y % TILE_WIDTH * TILE_WIDTH + x % TILE_WIDTH].ray);
+      rays.push_back(
+          states[(y / TILE_WIDTH * across + x / TILE_WIDTH) * WORK_GROUP_SIZE + y % TILE_WIDTH * TILE_WIDTH + x % TILE_WIDTH]
+              .ray);
   return rays;
 }
 
@@ -93,8 +94,8 @@ struct Met {
 
 using Oracle = std::function<std::optional<Met>(const glm::dvec3& origin, const glm::dvec3& direction)>;
 
-// Every pixel against the means of the oracle over its rays: albedo and normal over all, depth and uv over those that met something.
-// A mean of 16 terms of the same sign adds up to 16 roundings to those of its terms.
+// Every pixel against the means of the oracle over its rays: albedo and normal over all, depth and uv over those that met
+// something. A mean of 16 terms of the same sign adds up to 16 roundings to those of its terms.
 void expect_means(const Seen& seen, const Oracle& oracle, const Met& tolerance) {
   std::size_t hit = 0, missed = 0, partly = 0;
   for (std::size_t pixel = 0; pixel < seen.rays[0].size(); ++pixel) {
@@ -150,7 +151,8 @@ Mesh tilted_quad() {
   return mesh;
 }
 
-std::optional<Met> meet_mesh(const Mesh& mesh, const glm::dvec3& o, const glm::dvec3& d, const glm::dvec3& eye, const glm::dvec3& axis) {
+std::optional<Met> meet_mesh(const Mesh& mesh, const glm::dvec3& o, const glm::dvec3& d, const glm::dvec3& eye,
+                             const glm::dvec3& axis) {
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::dvec3 a = mesh.positions[t.x], e1 = mesh.positions[t.y] - a, e2 = mesh.positions[t.z] - a;
     const glm::dvec3 x = glm::inverse(glm::dmat3(e1, e2, -d)) * (o - a);  // b1, b2, distance
@@ -180,8 +182,8 @@ TEST(aov_image, depth_is_along_the_axis_and_the_normal_on_the_side_of_the_camera
   }
 }
 
-// Far from the world's origin, and not of size 1. Where the ray meets the sphere at an angle of cosine c, the point errs by some 64 u of
-// the frame over c; the visible normals stay 0.2 away from the poles, where coordinates have no meaning.
+// Far from the world's origin, and not of size 1. Where the ray meets the sphere at an angle of cosine c, the point errs by
+// some 64 u of the frame over c; the visible normals stay 0.2 away from the poles, where coordinates have no meaning.
 TEST(aov_image, a_sphere_has_its_own_depth_normal_and_coordinates_and_nothing_is_around_it) {
   const glm::dvec3 center(100, -30, 7);
   const double radius = 40.0;
@@ -200,17 +202,22 @@ TEST(aov_image, a_sphere_has_its_own_depth_normal_and_coordinates_and_nothing_is
     const glm::dvec3 p = o + (along - std::sqrt((radius * radius - distance2) / square)) * d;
     const glm::dvec3 n = (p - center) / radius;
     const double turns = std::atan2(n.y, n.x) / (2 * glm::pi<double>());
-    return Met{glm::dot(p - eye, axis), n, glm::dvec3(0.25), {turns < 0 ? turns + 1 : turns, std::acos(n.z) / glm::pi<double>()},
+    return Met{glm::dot(p - eye, axis),
+               n,
+               glm::dvec3(0.25),
+               {turns < 0 ? turns + 1 : turns, std::acos(n.z) / glm::pi<double>()},
                radius / std::sqrt(radius * radius - distance2)};
   };
   const double point = 64 * unit_roundoff * 64.0;  // in a frame of half-extent 64
-  expect_means(seen, oracle, {point, glm::dvec3(point / radius), glm::dvec3(unit_roundoff), glm::dvec2(point / radius / 0.2)});
+  expect_means(seen, oracle,
+               {point, glm::dvec3(point / radius), glm::dvec3(unit_roundoff), glm::dvec2(point / radius / 0.2)});
   EXPECT_FALSE(grazes);
   for (std::size_t pixel = 0; pixel < seen.rays[0].size(); ++pixel) EXPECT_LE(seen.primitive(pixel), 1u);
 }
 
-// Points err by 8 u of the frame, and where the plane is met at an angle by that over its cosine, here above 1/2. Coordinates: over the
-// shorter edge as well, 28 of the frame's half-extent of 64 at most, and times the largest change of 2.
+// Points err by 8 u of the frame, and where the plane is met at an angle by that over its cosine, here above 1/2.
+// Coordinates: over the shorter edge as well, 28 of the frame's half-extent of 64 at most, and times the largest change
+// of 2.
 TEST(aov_image, a_tilted_quad_has_its_planes_depth_and_its_own_coordinates) {
   World world;
   WorldShape& shape = add_shape(world, diffuse(0.25), Sides::both);
@@ -218,7 +225,10 @@ TEST(aov_image, a_tilted_quad_has_its_planes_depth_and_its_own_coordinates) {
   look(world, {0, 0, 0}, {-2, 0, 60}, {0, 1, 0}, 0.6, 24, 18);
   const Seen seen = see(world);
   const double point = 64.0 * 32 * unit_roundoff;
-  expect_means(seen, [&](const glm::dvec3& o, const glm::dvec3& d) { return meet_mesh(tilted_quad(), o, d, eye_of(world), axis_of(world)); },
+  expect_means(seen,
+               [&](const glm::dvec3& o, const glm::dvec3& d) {
+                 return meet_mesh(tilted_quad(), o, d, eye_of(world), axis_of(world));
+               },
                {4 * point, glm::dvec3(32 * unit_roundoff), glm::dvec3(unit_roundoff), glm::dvec2(4 * point * 2 / 28)});
   bool first = false, second = false;
   for (std::size_t pixel = 0; pixel < seen.rays[0].size(); ++pixel) {
@@ -238,7 +248,10 @@ TEST(aov_image, orthographic_depth_counts_from_the_camera) {
   world.camera.tan_half_fov_x = 30.0;
   const Seen seen = see(world);
   const double point = 64.0 * 32 * unit_roundoff;
-  expect_means(seen, [&](const glm::dvec3& o, const glm::dvec3& d) { return meet_mesh(tilted_quad(), o, d, eye_of(world), axis_of(world)); },
+  expect_means(seen,
+               [&](const glm::dvec3& o, const glm::dvec3& d) {
+                 return meet_mesh(tilted_quad(), o, d, eye_of(world), axis_of(world));
+               },
                {4 * point + 1000 * unit_roundoff, glm::dvec3(32 * unit_roundoff), glm::dvec3(unit_roundoff),
                 glm::dvec2(4 * point * 2 / 28)});
 }
@@ -264,7 +277,8 @@ TEST(aov_image, albedo_is_what_the_texture_says) {
     return met;
   };
   const double point = 64.0 * 32 * unit_roundoff;
-  expect_means(seen, oracle, {4 * point, glm::dvec3(32 * unit_roundoff), glm::dvec3(16 * unit_roundoff), glm::dvec2(4 * point * 2 / 28)});
+  expect_means(seen, oracle,
+               {4 * point, glm::dvec3(32 * unit_roundoff), glm::dvec3(16 * unit_roundoff), glm::dvec2(4 * point * 2 / 28)});
   EXPECT_FALSE(near_edge) << "another seed is needed";
 }
 
@@ -274,7 +288,8 @@ TEST(aov_image, a_normal_map_tilts_the_normal) {
   const glm::dvec3 tilted = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
   world.materials[0].normal_texture = add_constant(world, normal_color(tilted));
   const Seen seen = see(world);
-  // u runs along +x and v along +y; the front of the quad faces +z and the camera sees its back: what the front has is mirrored in it.
+  // u runs along +x and v along +y; the front of the quad faces +z and the camera sees its back: what the front has is
+  // mirrored in it.
   const glm::dvec3 expected(tilted.x, tilted.y, -tilted.z);
   for (std::size_t pixel = 0; pixel < 64; ++pixel)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen.vector("normal", "XYZ", pixel)[c], expected[c], 64 * unit_roundoff);
@@ -296,7 +311,8 @@ TEST(aov_image, triangles_and_quadrics_have_numbers_of_their_own) {
   EXPECT_EQ(found, (std::vector<std::uint32_t>{1, 2, 3, 4, 5, 6, 7, 8, 0}));
 }
 
-// Of each sample the mask decides anew; of the primitive the larger share does. 4.27 standard deviations: a false alarm in 50 000.
+// Of each sample the mask decides anew; of the primitive the larger share does. 4.27 standard deviations: a false alarm in
+// 50 000.
 TEST(aov_image, a_mask_is_there_as_often_as_it_is_opaque) {
   for (const double transparency : {0.25, 0.75}) {
     World world = wall(8.0, 32, 32);

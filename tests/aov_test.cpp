@@ -26,7 +26,8 @@ TEST(aov_test, albedo_of_diffuse_kinds_and_mirrors_is_their_reflectance_whatever
   for (const cl_float4& found : albedos(materials)) expect_colour(found, {0.8f, 0.5f, 0.25f}, 0.0);
 }
 
-// Two hypot of up to 4 ulp (8 u each), a quotient of up to 2.5 ulp, twice because it is squared, and two products: below 48 u.
+// Two hypot of up to 4 ulp (8 u each), a quotient of up to 2.5 ulp, twice because it is squared, and two products: below 48
+// u.
 TEST(aov_test, albedo_of_a_conductor_is_its_reflectance_at_normal_incidence) {
   for (const float k : {0.0f, 0.5f, 4.0f, 1000.0f}) {
     const Material metal = conductor({0.143f, 1.0f, 2.5f}, {k, k, k}, {0.9f, 0.8f, 0.7f});
@@ -47,8 +48,9 @@ TEST(aov_test, albedo_of_dielectrics_is_all_that_they_send_on_at_normal_incidenc
       return colour;
     };
     const Exact one_side = exact_reflectance(1, eta);
-    const auto found = albedos({dielectric(eta, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}),
-                                thin_dielectric(eta, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}), dielectric(eta), thin_dielectric(eta)});
+    const auto found =
+        albedos({dielectric(eta, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}),
+                 thin_dielectric(eta, {0.9f, 0.8f, 0.7f}, {0.3f, 0.2f, 0.1f}), dielectric(eta), thin_dielectric(eta)});
     expect_colour(found[0], expected(one_side), 16 * unit_roundoff);
     // All orders of reflection between the two sides, summed.
     Exact sheet = one_side, between = (1 - one_side) * (1 - one_side) * one_side;

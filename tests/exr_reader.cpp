@@ -15,9 +15,8 @@ namespace {
 oclair::ImageWindow window_of(const Imf::Header& header) {
   const Imath::Box2i display = header.displayWindow(), data = header.dataWindow();
   const auto extent = [](int min, int max) { return static_cast<unsigned>(max - min + 1); };
-  return {extent(display.min.x, display.max.x), extent(display.min.y, display.max.y),
-          static_cast<unsigned>(data.min.x),    static_cast<unsigned>(data.min.y),
-          extent(data.min.x, data.max.x),       extent(data.min.y, data.max.y)};
+  return {extent(display.min.x, display.max.x), extent(display.min.y, display.max.y), static_cast<unsigned>(data.min.x),
+          static_cast<unsigned>(data.min.y),    extent(data.min.x, data.max.x),       extent(data.min.y, data.max.y)};
 }
 
 }  // namespace
@@ -76,7 +75,8 @@ std::vector<ExrPart> read_exr_parts(const std::filesystem::path& path) {
     for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
       const std::string type = attribute.attribute().typeName(), name = attribute.name();
       part.attributes += (type == "string" || type == "int" || type == "float") && name != "name" && name != "type" &&
-                         name != "version" && name != "chunkCount" && name != "pixelAspectRatio" && name != "screenWindowWidth";
+                         name != "version" && name != "chunkCount" && name != "pixelAspectRatio" &&
+                         name != "screenWindowWidth";
     }
   }
   return parts;

@@ -25,7 +25,7 @@ struct ExrPart {
   oclair::ImageWindow window;
   std::map<std::string, std::vector<float>> floats;            // the channels of type FLOAT
   std::map<std::string, std::vector<std::uint32_t>> integers;  // those of type UINT
-  std::size_t attributes;                                      // strings and numbers of the header that OpenEXR does not require
+  std::size_t attributes;  // strings and numbers of the header that OpenEXR does not require
 };
 
 std::vector<ExrPart> read_exr_parts(const std::filesystem::path& path);

@@ -116,7 +116,8 @@ TEST(header_test, the_date_is_that_of_the_environment_or_none) {
       ADD_FAILURE() << wrong;
     } catch (const Error& error) {
       EXPECT_EQ(error.exit, Exit::usage);
-      EXPECT_EQ(std::string(error.what()).find("SOURCE_DATE_EPOCH '" + std::string(wrong) + "': expected seconds since 1970"), 0u);
+      EXPECT_EQ(
+          std::string(error.what()).find("SOURCE_DATE_EPOCH '" + std::string(wrong) + "': expected seconds since 1970"), 0u);
     }
   }
 }

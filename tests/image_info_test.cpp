@@ -91,8 +91,9 @@ TEST(image_info_test, tells_parts_channels_ranges_and_attributes) {
   EXPECT_EQ(first.channels[0].infinite, 1u);
   EXPECT_EQ(first.channels[0].nan, 2u);
   EXPECT_EQ(first.attributes, (std::vector<std::pair<std::string, std::string>>{
-                                  {"chromaticities", "red 0.639999986 0.330000013 green 0.300000012 0.600000024 blue 0.150000006 "
-                                                     "0.0599999987 white 0.312700003 0.328999996"},
+                                  {"chromaticities",
+                                   "red 0.639999986 0.330000013 green 0.300000012 0.600000024 blue 0.150000006 "
+                                   "0.0599999987 white 0.312700003 0.328999996"},
                                   {"passes", "7"},
                                   {"scene", "a?[2J?.xml"},  // nothing that would steer a terminal
                                   {"seconds", "0.100000001"}}));
@@ -105,7 +106,8 @@ TEST(image_info_test, tells_parts_channels_ranges_and_attributes) {
 // Half floats, integers, a subsampled channel, a data window that begins at (-3, 5): written by OpenEXR itself.
 TEST(image_info_test, tells_files_that_are_not_ours) {
   const TemporaryDirectory directory;
-  put(directory / "a.exr", exr_bytes(4, 2, {{"G", Imf::HALF, {0, 1, 2, 3, 4, 5, 6, 7}}, {"id", Imf::UINT, {9, 9, 9, 9, 9, 9, 9, 1}}}));
+  put(directory / "a.exr",
+      exr_bytes(4, 2, {{"G", Imf::HALF, {0, 1, 2, 3, 4, 5, 6, 7}}, {"id", Imf::UINT, {9, 9, 9, 9, 9, 9, 9, 1}}}));
   const std::vector<PartInfo> parts = read_image_info(directory / "a.exr");
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].name, "");
@@ -196,10 +198,10 @@ TEST(image_info_test, the_command_prints_an_image_and_refuses_a_broken_one) {
   write_two_parts(directory / "a.exr");
   const ProgramResult result = run_oclair({"info", (directory / "a.exr").string()});
   EXPECT_EQ(result.exit, 0) << result.err;
-  for (const char* line : {"part                rgb: 3x2 at 100,7 of 640x480, scanlineimage\n",
-                           "channel             R: float, from -2 to 1, mean -0.166666667, 1 infinite, 2 not a number\n",
-                           "channel             ids.id: uint, from 4294967290 to 4294967295, mean 4294967292\n",
-                           "passes              7\n"})
+  for (const char* line :
+       {"part                rgb: 3x2 at 100,7 of 640x480, scanlineimage\n",
+        "channel             R: float, from -2 to 1, mean -0.166666667, 1 infinite, 2 not a number\n",
+        "channel             ids.id: uint, from 4294967290 to 4294967295, mean 4294967292\n", "passes              7\n"})
     EXPECT_NE(result.out.find(line), std::string::npos) << line << " is missing in\n" << result.out;
   put(directory / "b.exr", content(directory / "a.exr").substr(0, 500));
   const ProgramResult broken = run_oclair({"info", (directory / "b.exr").string()});

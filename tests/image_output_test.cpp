@@ -53,9 +53,9 @@ TEST(image_output_test, layers_have_parts_and_channels_of_their_names) {
     EXPECT_EQ(part.window.crop_width, 16u);
   }
   EXPECT_EQ(parts, (std::vector<std::string>{"rgb", "standardError", "albedo", "normal", "depth", "uv", "primitive"}));
-  EXPECT_EQ(channels, (std::vector<std::string>{"B", "G", "R", "standardError.B", "standardError.G", "standardError.R", "albedo.B",
-                                                "albedo.G", "albedo.R", "normal.X", "normal.Y", "normal.Z", "depth.Z", "uv.U", "uv.V",
-                                                "primitive.id uint"}));
+  EXPECT_EQ(channels, (std::vector<std::string>{"B", "G", "R", "standardError.B", "standardError.G", "standardError.R",
+                                                "albedo.B", "albedo.G", "albedo.R", "normal.X", "normal.Y", "normal.Z",
+                                                "depth.Z", "uv.U", "uv.V", "primitive.id uint"}));
 }
 
 TEST(image_output_test, layers_change_no_bit_of_the_colour) {
@@ -95,7 +95,8 @@ TEST(image_output_test, the_header_says_how_the_image_was_made) {
   EXPECT_EQ(text(file, "samplesPerPixel"), "32");
   EXPECT_EQ(text(file, "rejectedSamples"), "0");
   EXPECT_NE(text(file, "secondsPerPhase").find("passes"), std::string::npos);
-  for (const char* name : {"software", "sceneHash", "sampler", "features", "device", "driver"}) EXPECT_NE(text(file, name), "") << name;
+  for (const char* name : {"software", "sceneHash", "sampler", "features", "device", "driver"})
+    EXPECT_NE(text(file, name), "") << name;
   EXPECT_EQ(file.attributes.count("capDate"), 0u);
 }
 

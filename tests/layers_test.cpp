@@ -16,7 +16,8 @@ namespace {
 using namespace oclair;
 using Names = std::vector<std::string>;
 
-// 3x2 pixels of 64 samples each. All samples of pixel i are (i + 1, 2 (i + 1), 0.5), but for those of its last replica, which are 0.
+// 3x2 pixels of 64 samples each. All samples of pixel i are (i + 1, 2 (i + 1), 0.5), but for those of its last replica,
+// which are 0.
 Film film_3_by_2() {
   Film film;
   film.width = 3;
@@ -36,7 +37,8 @@ Film film_3_by_2() {
       // 3 replica^2 in units of 2^(2 (exponent - FILM_SQUARE_FRACTION_BITS)): more than 64 bits.
       const long double square = std::ldexp(3.0L * replica * replica, 2 * (FILM_SQUARE_FRACTION_BITS - film.exponent));
       film.errors[i].square[c][1] = static_cast<ulong>(std::ldexp(square, -64));
-      film.errors[i].square[c][0] = static_cast<ulong>(square - std::ldexp(static_cast<long double>(film.errors[i].square[c][1]), 64));
+      film.errors[i].square[c][0] =
+          static_cast<ulong>(square - std::ldexp(static_cast<long double>(film.errors[i].square[c][1]), 64));
     }
   }
   return film;
@@ -56,8 +58,8 @@ Names names(const std::vector<ExrPart>& parts) {
 
 }  // namespace
 
-// Four replica means of v, v, v and 0: their mean is 3/4 v, their variance (4 of them) 3 (v/4)^2/3 + (3v/4)^2/3 = v^2/4, and the standard
-// error of the mean v/4.
+// Four replica means of v, v, v and 0: their mean is 3/4 v, their variance (4 of them) 3 (v/4)^2/3 + (3v/4)^2/3 = v^2/4, and
+// the standard error of the mean v/4.
 TEST(layers_test, colour_comes_first_and_its_standard_error_second) {
   const std::vector<ExrPart> parts = written(film_3_by_2(), PixelFormat::rgba);
   ASSERT_EQ(names(parts), (Names{"rgba", "standardError"}));
@@ -111,12 +113,14 @@ TEST(layers_test, counts_beyond_32_bits_are_floats) {
   film.samples = std::uint64_t{1} << 33;
   film.pixels[4].rejected = std::uint64_t{1} << 32;
   const std::vector<ExrPart> parts = written(film, PixelFormat::rgb);
-  EXPECT_EQ(parts.back().floats.at("sampleCount.Y"), (std::vector<float>{0x1p33f, 0x1p33f, 0x1p33f, 0x1p33f, 0x1p32f, 0x1p33f}));
+  EXPECT_EQ(parts.back().floats.at("sampleCount.Y"),
+            (std::vector<float>{0x1p33f, 0x1p33f, 0x1p33f, 0x1p33f, 0x1p32f, 0x1p33f}));
 }
 
 TEST(layers_test, layers_of_one_name_share_a_part_and_ids_stay_integers) {
   std::vector<float> ids;
-  for (const std::uint32_t id : {0u, 1u, 16777217u, 2139095041u, 4290772993u, 4294967295u}) ids.push_back(std::bit_cast<float>(id));
+  for (const std::uint32_t id : {0u, 1u, 16777217u, 2139095041u, 4290772993u, 4294967295u})
+    ids.push_back(std::bit_cast<float>(id));
   const std::vector<float> up = {0, 1, 2, 3, 4, 5}, down = {5, 4, 3, 2, 1, 0};
   const std::vector<ExrPart> parts =
       written(film_3_by_2(), PixelFormat::rgb, {{"uv.U", up}, {"uv.V", down}, {"depth.Z", up}, {"primitive.id", ids}});
@@ -124,6 +128,6 @@ TEST(layers_test, layers_of_one_name_share_a_part_and_ids_stay_integers) {
   EXPECT_EQ(parts[2].floats.at("uv.U"), up);
   EXPECT_EQ(parts[2].floats.at("uv.V"), down);
   EXPECT_EQ(parts[3].floats.at("depth.Z"), up);
-  EXPECT_EQ(parts[4].integers.at("primitive.id"),
-            (std::vector<std::uint32_t>{0u, 1u, 16777217u, 2139095041u, 4290772993u, 4294967295u}));  // some are NaN as floats
+  EXPECT_EQ(parts[4].integers.at("primitive.id"), (std::vector<std::uint32_t>{0u, 1u, 16777217u, 2139095041u, 4290772993u,
+                                                                              4294967295u}));  // some are NaN as floats
 }

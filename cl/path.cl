@@ -3,23 +3,29 @@
 #include "pixel.h"
 
 // Out of line, because PoCL compiles the body of a kernel three times over, and what it calls once.
-OUT_OF_LINE void render_pixel(const Scene *scene, Pixel pixel, __global FilmPixel *film, __global FilmMoments *moments,
+// Returns the rays that it has traced.
+OUT_OF_LINE ulong render_pixel(const Scene *scene, Pixel pixel, __global FilmPixel *film, __global FilmMoments *moments,
                               __global FilmErrors *errors, ulong first_sample, uint samples) {
   __global const Settings *settings = scene->settings;
+  ulong rays = 0;
   for (uint i = 0; i < samples; ++i) {
     const Sampler sampler = sampler_begin(settings, pixel_stream(settings, pixel), first_sample + i);
-    PathState path = path_trace(scene, pixel.x, pixel.y, &sampler);
+    uint traced = 0;
+    PathState path = path_trace(scene, pixel.x, pixel.y, &sampler, &traced);
+    rays += traced;
     film_add(film, moments, unpack3(path.radiance), path.hit_anything, settings->film_exponent);
     film_end_sample(film, errors, first_sample + i);
   }
+  return rays;
 }
 
+// rays: of each work item, over all launches.
 __kernel __attribute__((reqd_work_group_size(WORK_GROUP_SIZE, 1, 1))) void render(
-    SCENE_ARGUMENTS, __global FilmPixel *film, __global FilmMoments *moments, __global FilmErrors *errors, uint base,
-    ulong first_sample, uint samples) {
+    SCENE_ARGUMENTS, __global FilmPixel *film, __global FilmMoments *moments, __global FilmErrors *errors, __global ulong *rays,
+    uint base, ulong first_sample, uint samples) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
   if (!pixel.inside) return;
-  render_pixel(&scene, pixel, film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0, errors + pixel.index, first_sample,
-               samples);
+  rays[get_global_id(0)] += render_pixel(&scene, pixel, film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0,
+                                         errors + pixel.index, first_sample, samples);
 }

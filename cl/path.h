@@ -212,13 +212,17 @@ INLINE void path_add_light(PathState *path, const ShadowRay *shadow, float visib
   path->radiance = pack3(unpack3(path->radiance) + unpack3(shadow->contribution) * visibility);
 }
 
-// Share of the light of a shadow ray that arrives.
-INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const Sampler *sampler) {
-  if (!HAS(OPACITY)) return traverse_any(scene, &shadow->ray) ? 0.0f : 1.0f;
+// Share of the light of a shadow ray that arrives. *rays counts the traversals.
+INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const Sampler *sampler, uint *rays) {
+  if (!HAS(OPACITY)) {
+    ++*rays;
+    return traverse_any(scene, &shadow->ray) ? 0.0f : 1.0f;
+  }
   Ray ray = shadow->ray;
   ray.t_max = nextafter(ray.t_max, 0.0f);  // as in traverse_any: what lies strictly between the two ends
   float share = 1.0f;
   for (uint passes = 0; passes < HARD_DEPTH; ++passes) {
+    ++*rays;
     Hit hit = traverse_closest(scene, &ray);
     if (hit.primitive == NONE) return share;
     Surface surface = surface_from_hit(scene, &ray, hit);
@@ -233,13 +237,14 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const 
   return 0.0f;
 }
 
-// A whole path: radiance along the camera ray of one sample.
-INLINE PathState path_trace(const Scene *scene, uint x, uint y, const Sampler *sampler) {
+// A whole path: radiance along the camera ray of one sample. *rays counts the traversals.
+INLINE PathState path_trace(const Scene *scene, uint x, uint y, const Sampler *sampler, uint *rays) {
   PathState path = path_begin(scene, x, y, sampler);
   while (path.alive) {
+    ++*rays;
     Hit hit = traverse_closest(scene, &path.ray);
     ShadowRay shadow = path_shade(scene, &path, hit, sampler);
-    if (path_has_shadow_ray(&shadow)) path_add_light(&path, &shadow, path_visibility(scene, &shadow, sampler));
+    if (path_has_shadow_ray(&shadow)) path_add_light(&path, &shadow, path_visibility(scene, &shadow, sampler, rays));
   }
   return path;
 }

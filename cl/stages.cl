@@ -47,7 +47,8 @@ STAGE shadow_rays(SCENE_ARGUMENTS, __global PathState *paths, __global const Sha
   ShadowRay shadow = shadows[get_global_id(0)];
   if (!path_has_shadow_ray(&shadow)) return;
   PathState path = paths[get_global_id(0)];
-  path_add_light(&path, &shadow, path_visibility(&scene, &shadow, &sampler));
+  uint rays = 0;
+  path_add_light(&path, &shadow, path_visibility(&scene, &shadow, &sampler, &rays));
   paths[get_global_id(0)] = path;
 }
 

@@ -130,6 +130,7 @@ CheckpointHead head_of(const Json& json) {
   checkpoint.film.width = checkpoint.head.film.crop_width;
   checkpoint.film.height = checkpoint.head.film.crop_height;
   checkpoint.film.exponent = static_cast<int>(whole(member(json, "exponent"), "exponent", -MAX_EXPONENT, MAX_EXPONENT));
+  checkpoint.film.rays = static_cast<std::uint64_t>(whole(member(json, "rays"), "rays", 0, std::numeric_limits<std::int64_t>::max()));
   checkpoint.film.samples = count_samples(checkpoint.ranges);
   checkpoint.film.replicas = count_replicas(checkpoint.ranges);
   for (const Json& name : list(member(json, "layers"), "layers", 0, MAX_HEAD))
@@ -151,6 +152,7 @@ std::string head_text(const Checkpoint& checkpoint, const std::vector<ArrayEntry
   for (const SampleRange& range : checkpoint.ranges) json["ranges"].push_back(Json::array({range.first, range.count}));
   json["film"] = json_of(checkpoint.head.film);
   json["exponent"] = checkpoint.film.exponent;
+  json["rays"] = checkpoint.film.rays;
   json["moment name"] = json_of(checkpoint.head.moment_name);
   json["attributes"] = json_of(checkpoint.head.attributes);
   json["layers"] = Json::array();

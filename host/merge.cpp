@@ -101,6 +101,7 @@ void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
     }
   film.samples += part.film.samples;
   film.replicas += part.film.replicas;
+  film.rays += part.film.rays;
   sum.ranges.insert(sum.ranges.end(), part.ranges.begin(), part.ranges.end());
   sum.ranges = joined(std::move(sum.ranges));
 }

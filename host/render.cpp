@@ -1,6 +1,7 @@
 #include "render.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "error.h"
 #include "variant.h"
@@ -22,7 +23,7 @@ cl::Buffer zeroed(const Device& device, std::size_t bytes) {
 
 // Blocks until it is done.
 void launch(Renderer& renderer, std::size_t base, std::size_t items, uint samples) {
-  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 3;
+  const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 4;
   renderer.kernel.setArg(first, static_cast<cl_uint>(base));
   renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.first_sample + renderer.samples));
   renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
@@ -50,12 +51,14 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) 
   check_memory(device, plan, film_bytes(scene.settings), moment_bytes(scene), error_bytes(scene.settings));
   try {
     Renderer renderer{&device, scene.settings, upload(device, plan), zeroed(device, film_bytes(scene.settings)),
-                      zeroed(device, moment_bytes(scene)), zeroed(device, error_bytes(scene.settings)), {}};
+                      zeroed(device, moment_bytes(scene)), zeroed(device, error_bytes(scene.settings)),
+                      zeroed(device, max_launch * sizeof(cl_ulong)), {}};
     renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film);
     renderer.kernel.setArg(next + 1, renderer.moments);
     renderer.kernel.setArg(next + 2, renderer.errors);
+    renderer.kernel.setArg(next + 3, renderer.rays);
     launch(renderer, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
     return renderer;
   } catch (const cl::Error& error) {
@@ -77,6 +80,16 @@ void render_pass(Renderer& renderer, uint samples, const std::function<void(doub
   renderer.samples += samples;
 }
 
+std::uint64_t ray_count(const Renderer& renderer) {
+  std::vector<std::uint64_t> rays(max_launch);
+  try {
+    renderer.device->queue.enqueueReadBuffer(renderer.rays, CL_TRUE, 0, max_launch * sizeof(cl_ulong), rays.data());
+  } catch (const cl::Error& error) {
+    throw device_error(*renderer.device, error);
+  }
+  return std::accumulate(rays.begin(), rays.end(), renderer.restored_rays);
+}
+
 Film read_film(const Renderer& renderer) {
   Film film;
   film.width = renderer.settings.crop_width;
@@ -84,6 +97,7 @@ Film read_film(const Renderer& renderer) {
   film.exponent = renderer.settings.film_exponent;
   film.samples = renderer.samples;
   film.replicas = renderer.samples / REPLICA_SAMPLES;
+  film.rays = ray_count(renderer);
   const std::size_t count = std::size_t{film.width} * film.height;
   film.pixels.resize(count);
   film.errors.resize(count);
@@ -114,11 +128,13 @@ void restore_film(Renderer& renderer, const Film& film) {
     const cl::CommandQueue& queue = renderer.device->queue;
     queue.enqueueWriteBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
     queue.enqueueWriteBuffer(renderer.errors, CL_TRUE, 0, count * sizeof(FilmErrors), film.errors.data());
+    queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
     if (moments) queue.enqueueWriteBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);
   }
   renderer.samples = film.samples;
+  renderer.restored_rays = film.rays;
 }
 
 }  // namespace oclair

@@ -18,6 +18,7 @@ struct Film {
   std::vector<FilmMoments> moments;  // empty without FEATURE_MOMENTS
   std::vector<FilmErrors> errors{};
   std::uint64_t replicas = 0;   // per pixel: complete ones, over which the errors are summed
+  std::uint64_t rays = 0;       // traced for all of it
 };
 
 // PoCL compiles a kernel again for launches of 65536 work items and more: never so many, and always whole groups.
@@ -30,10 +31,11 @@ struct Renderer {
   const Device* device;
   Settings settings;
   std::vector<cl::Buffer> scene;
-  cl::Buffer film, moments, errors;
+  cl::Buffer film, moments, errors, rays;
   cl::Kernel kernel;
   std::uint64_t first_sample = 0;  // number of the first sample that is rendered, a multiple of REPLICA_SAMPLES
   std::uint64_t samples = 0;       // per pixel, from there on, so far
+  std::uint64_t restored_rays = 0; // of a film that was put back
 };
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
@@ -46,6 +48,9 @@ Renderer start_render(const Device& device, const Scene& scene, Bvh&& bvh) = del
 // Adds `samples` samples to every pixel. `progress` is told, after each launch, the share of the pass that is done, in (0, 1].
 // Throws Error(Exit::device).
 void render_pass(Renderer& renderer, uint samples, const std::function<void(double)>& progress = {});
+
+// Rays traced so far for the film. Throws Error(Exit::device).
+std::uint64_t ray_count(const Renderer& renderer);
 
 Film read_film(const Renderer& renderer);
 

@@ -24,6 +24,7 @@ inline Film random_film(uint width, uint height, const std::vector<SampleRange>&
   film.width = width;
   film.height = height;
   film.exponent = -3;
+  film.rays = 123456789012;
   film.samples = samples;
   film.replicas = count_replicas(ranges);
   film.pixels.resize(std::size_t{width} * height);
@@ -68,6 +69,7 @@ inline void expect_same_film(const Film& a, const Film& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
   EXPECT_EQ(a.exponent, b.exponent);
+  EXPECT_EQ(a.rays, b.rays);
   EXPECT_EQ(a.samples, b.samples);
   EXPECT_EQ(a.replicas, b.replicas);
   EXPECT_TRUE(same_bytes(a.pixels, b.pixels));

@@ -18,6 +18,7 @@ void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const R
     Figures figures;
     figures.ranges = checkpoint.ranges;
     figures.rejected = rejected_samples(film);
+    figures.rays = film.rays;
     figures.estimated_error = image_error(film);
     figures.stopped = run.stopped;
     figures.seconds = run.seconds;

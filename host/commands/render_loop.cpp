@@ -57,7 +57,7 @@ class Loop {
     render_pass(renderer_, samples, [&](double share) {
       const double done = static_cast<double>(renderer_.samples) + share * samples;
       progress_.samples(in_film(done), open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
-                        {{}, monitor_ ? monitor_->estimate() : std::nullopt, schedule_.seconds_left()});
+                        {ray_count(renderer_) - rays_before_, monitor_ ? monitor_->estimate() : std::nullopt, schedule_.seconds_left()});
     });
     schedule_.pass_ended(samples);
     film_is_current_ = false;
@@ -98,6 +98,7 @@ class Loop {
   Progress& progress_;
   Schedule schedule_;
   std::optional<ErrorMonitor> monitor_;
+  const std::uint64_t rays_before_ = ray_count(renderer_);
   bool film_is_current_ = false;
   double viewed_ = -std::numeric_limits<double>::infinity();
 };

@@ -40,8 +40,8 @@ struct Figures {
   std::vector<std::pair<std::string, double>> seconds;  // of each phase
 };
 
-// The attributes. With a date (seconds since 1970, as reproducible_date() has it) nothing is said that can differ between two equal
-// runs, or a run and its parts merged: not the command line, what ended it, and the seconds.
+// The attributes. With a date (seconds since 1970, as reproducible_date() has it) nothing is said that can differ between
+// two equal runs, or a run and its parts merged: not the command line, what ended it, and the seconds.
 ImageAttributes header_attributes(const HeaderTexts& texts, const Figures& figures, std::optional<std::int64_t> date);
 
 // The environment's SOURCE_DATE_EPOCH (reproducible-builds.org/specs/source-date-epoch). Throws Error(Exit::usage) if it is

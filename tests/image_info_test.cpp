@@ -1,6 +1,11 @@
 // What is told of OpenEXR files: of ours, of others', of broken ones.
 #include "../host/image_info.h"
 
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfRgbaFile.h>
+#include <ImfTiledRgbaFile.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -103,7 +108,7 @@ TEST(image_info_test, tells_parts_channels_ranges_and_attributes) {
   EXPECT_EQ(parts[1].channels[0].max, 4294967295.0);
 }
 
-// Half floats, integers, a subsampled channel, a data window that begins at (-3, 5): written by OpenEXR itself.
+// Half floats, integers, a data window that begins at (-3, 5): written by OpenEXR itself.
 TEST(image_info_test, tells_files_that_are_not_ours) {
   const TemporaryDirectory directory;
   put(directory / "a.exr",
@@ -118,6 +123,69 @@ TEST(image_info_test, tells_files_that_are_not_ours) {
   EXPECT_EQ(parts[0].channels[0].max, 7.0);
   EXPECT_EQ(parts[0].channels[1].min, 1.0);
   EXPECT_EQ(parts[0].channels[1].mean, 8.0);
+}
+
+// Chroma has a sample for each square of four pixels; that of grey is 0.
+TEST(image_info_test, counts_the_samples_of_luminance_and_chroma) {
+  const TemporaryDirectory directory;
+  {
+    Imf::RgbaOutputFile file((directory / "a.exr").c_str(), 300, 200, Imf::WRITE_YC);
+    const std::vector<Imf::Rgba> pixels(300 * 200, Imf::Rgba(0.5f, 0.5f, 0.5f));
+    file.setFrameBuffer(pixels.data(), 1, 300);
+    file.writePixels(200);
+  }
+  const std::vector<PartInfo> parts = read_image_info(directory / "a.exr");
+  ASSERT_EQ(parts.at(0).channels.size(), 3u);
+  for (const ChannelInfo& channel : parts[0].channels) {
+    const bool chroma = channel.name != "Y";
+    EXPECT_EQ(channel.finite, chroma ? 150u * 100u : 300u * 200u) << channel.name;
+    EXPECT_NEAR(channel.min, chroma ? 0.0 : 0.5, 1e-3) << channel.name;  // half floats
+    EXPECT_NEAR(channel.max, chroma ? 0.0 : 0.5, 1e-3) << channel.name;
+  }
+}
+
+TEST(image_info_test, reads_tiles) {
+  const TemporaryDirectory directory;
+  {
+    Imf::TiledRgbaOutputFile file((directory / "a.exr").c_str(), 100, 70, 32, 16, Imf::ONE_LEVEL);
+    std::vector<Imf::Rgba> pixels(100 * 70, Imf::Rgba(1.0f, 2.0f, 3.0f, 0.25f));
+    pixels[42 * 100 + 99].r = 5.0f;
+    file.setFrameBuffer(pixels.data(), 1, 100);
+    file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+  }
+  const PartInfo part = read_image_info(directory / "a.exr").at(0);
+  EXPECT_EQ(part.type, "tiledimage");
+  ASSERT_EQ(part.channels.size(), 4u);
+  EXPECT_EQ(part.channels[0].mean, 0.25);
+  EXPECT_EQ(part.channels[1].max, 3.0);
+  EXPECT_EQ(part.channels[3].name, "R");
+  EXPECT_EQ(part.channels[3].max, 5.0);
+  EXPECT_EQ(part.channels[3].finite, 7000u);
+  EXPECT_NEAR(part.channels[3].mean, 1.0 + 4.0 / 7000, 1e-12);
+}
+
+TEST(image_info_test, shows_the_header_of_deep_pixels) {
+  const TemporaryDirectory directory;
+  {
+    Imf::Header header(4, 2);
+    header.setType(Imf::DEEPSCANLINE);
+    header.compression() = Imf::ZIPS_COMPRESSION;
+    header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    std::vector<unsigned> counts(8, 0);
+    std::vector<float*> samples(8, nullptr);
+    Imf::DeepFrameBuffer buffer;
+    buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 16));
+    buffer.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()), sizeof(float*), 4 * sizeof(float*), 4));
+    Imf::DeepScanLineOutputFile file((directory / "a.exr").c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(2);
+  }
+  const PartInfo part = read_image_info(directory / "a.exr").at(0);
+  EXPECT_EQ(part.type, "deepscanline");
+  EXPECT_EQ(part.width, 4u);
+  ASSERT_EQ(part.channels.size(), 1u);
+  EXPECT_EQ(part.channels[0].name, "Z");
+  EXPECT_EQ(part.channels[0].finite, 0u);
 }
 
 TEST(image_info_test, a_file_is_an_image_by_what_it_holds) {

@@ -81,13 +81,9 @@ INLINE void film_add_square(__global ulong *sum, ulong low, ulong high) {
   ulong twice_low = (high * low) << 1, twice_high = mul_hi(high, low) << 1 | high * low >> 63;
   ulong carry = 0;
   ulong limb0 = film_carry(low * low, 1ul << (SQUARE_SHIFT - 1), &carry);
-  ulong limb1 = film_carry(mul_hi(low, low), 0ul, &carry);
-  ulong limb2 = film_carry(high * high, 0ul, &carry);
+  ulong limb1 = film_carry(mul_hi(low, low), twice_low, &carry);
+  ulong limb2 = film_carry(high * high, twice_high, &carry);
   ulong limb3 = mul_hi(high, high) + carry;
-  carry = 0;
-  limb1 = film_carry(limb1, twice_low, &carry);
-  limb2 = film_carry(limb2, twice_high, &carry);
-  limb3 += carry;
   carry = 0;
   sum[0] = film_carry(sum[0], limb0 >> SQUARE_SHIFT | limb1 << (64 - SQUARE_SHIFT), &carry);
   sum[1] = film_carry(sum[1], limb1 >> SQUARE_SHIFT | limb2 << (64 - SQUARE_SHIFT), &carry);

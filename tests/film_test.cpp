@@ -383,8 +383,8 @@ TEST(film_test, sums_and_squares_of_complete_replicas_are_the_exact_integers) {
   }
 }
 
-// A replica of zeros gets the sum that stands in the pixel already. High limbs whose squares end just below a multiple of 2^64, low ones of
-// all ones: what the product of both adds overflows from limb to limb.
+// A replica of zeros gets the sum that stands in the pixel already. High limbs whose squares end just below a multiple of
+// 2^64, low ones of all ones: what the product of both adds overflows from limb to limb.
 TEST(film_test, squares_carry_through_all_limbs) {
   Random random(9);
   const std::size_t n = count_or_small(20000, 50);

@@ -75,27 +75,33 @@ INLINE ulong film_carry(ulong a, ulong b, ulong *carry) {
   return sum;
 }
 
-// sum += (high 2^64 + low)^2 2^-SQUARE_SHIFT, rounded to nearest, ties up; high < 2^63. The sum has three limbs.
-#define SQUARE_SHIFT (2 * (FILM_FRACTION_BITS - FILM_SQUARE_FRACTION_BITS))
-INLINE void film_add_square(__global ulong *sum, ulong low, ulong high) {
-  ulong twice_low = (high * low) << 1, twice_high = mul_hi(high, low) << 1 | high * low >> 63;
+INLINE void film_add_limbs(__global ulong *sum, ulong limb0, ulong limb1, ulong limb2) {
   ulong carry = 0;
-  ulong limb0 = film_carry(low * low, 1ul << (SQUARE_SHIFT - 1), &carry);
-  ulong limb1 = film_carry(mul_hi(low, low), 0ul, &carry);
-  ulong limb2 = film_carry(high * high, 0ul, &carry);
-  ulong limb3 = mul_hi(high, high) + carry;
-  carry = 0;
-  limb1 = film_carry(limb1, twice_low, &carry);
-  limb2 = film_carry(limb2, twice_high, &carry);
-  limb3 += carry;
-  carry = 0;
-  sum[0] = film_carry(sum[0], limb0 >> SQUARE_SHIFT | limb1 << (64 - SQUARE_SHIFT), &carry);
-  sum[1] = film_carry(sum[1], limb1 >> SQUARE_SHIFT | limb2 << (64 - SQUARE_SHIFT), &carry);
-  sum[2] = film_carry(sum[2], limb2 >> SQUARE_SHIFT | limb3 << (64 - SQUARE_SHIFT), &carry);
+  sum[0] = film_carry(sum[0], limb0, &carry);
+  sum[1] = film_carry(sum[1], limb1, &carry);
+  sum[2] = film_carry(sum[2], limb2, &carry);
 }
 
-// After the sample of that number, rejected or not: the last one of a replica completes it. Its sum is what the pixel has gained since the
-// replica before.
+// sum += (high 2^64 + low)^2 2^-SQUARE_SHIFT, rounded to nearest, ties up; high < 2^63. The sum has three limbs. (Of shifts
+// over two limbs clang makes an intrinsic that oclgrind lacks: so the product of both halves is added twice, and the shifted
+// square in two parts.)
+#define SQUARE_SHIFT (2 * (FILM_FRACTION_BITS - FILM_SQUARE_FRACTION_BITS))
+INLINE void film_add_square(__global ulong *sum, ulong low, ulong high) {
+  ulong carry = 0;
+  ulong limb0 = film_carry(low * low, 1ul << (SQUARE_SHIFT - 1), &carry);
+  ulong limb1 = film_carry(mul_hi(low, low), high * low, &carry);
+  ulong limb2 = film_carry(high * high, mul_hi(high, low), &carry);
+  ulong limb3 = mul_hi(high, high) + carry;
+  carry = 0;
+  limb1 = film_carry(limb1, high * low, &carry);
+  limb2 = film_carry(limb2, mul_hi(high, low), &carry);
+  limb3 += carry;
+  film_add_limbs(sum, limb0 >> SQUARE_SHIFT, limb1 >> SQUARE_SHIFT, limb2 >> SQUARE_SHIFT);
+  film_add_limbs(sum, limb1 << (64 - SQUARE_SHIFT), limb2 << (64 - SQUARE_SHIFT), limb3 << (64 - SQUARE_SHIFT));
+}
+
+// After the sample of that number, rejected or not: the last one of a replica completes it. Its sum is what the pixel has
+// gained since the replica before.
 INLINE void film_end_sample(__global const FilmPixel *pixel, __global FilmErrors *errors, ulong sample) {
   if ((sample + 1ul) % REPLICA_SAMPLES != 0ul) return;
   for (int c = 0; c < 3; ++c) {

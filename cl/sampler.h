@@ -24,13 +24,13 @@ INLINE Sampler sampler_begin(__global const Settings *settings, uint pixel, ulon
   return s;
 }
 
-// Nets for the film, the lens and the first vertices of a path; what follows depends on so many numbers that a net in two of them brings
-// nothing (docs/decisions/sampler.md).
+// Nets for the film, the lens and the first vertices of a path; what follows depends on so many numbers that a net in two of
+// them brings nothing (docs/decisions/sampler.md).
 #define SOBOL_VERTICES 2
 #define SOBOL_DIMENSIONS (DIMENSION_VERTEX + SOBOL_VERTICES * DIMENSIONS_PER_VERTEX)
 
-// 64 random bits, the coordinates of a point in 32 each. Of a Sobol point the first digits are those of its net, the others, in which the
-// points of a replica have nothing to do with each other, are the independent ones.
+// 64 random bits, the coordinates of a point in 32 each. Of a Sobol point the first digits are those of its net, the others,
+// in which the points of a replica have nothing to do with each other, are the independent ones.
 INLINE ulong sampler_bits(const Sampler *s, uint dimension) {
   ulong bits = rng_bits(s->key, dimension);
   if (!HAS(SOBOL) || !s->sobol || dimension >= SOBOL_DIMENSIONS) return bits;

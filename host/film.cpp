@@ -38,12 +38,13 @@ glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel) {
   return mean;
 }
 
-// Of n replicas of R samples with sums S_k, T = sum S_k and Q = sum S_k^2, the variance of a replica's sum is estimated without bias by
-// s^2 = (Q - T^2/n)/(n - 1), whatever a replica's samples have to do with each other, because replicas are independent. T/(n R) then has
-// the variance s^2/(n R^2). pixel_mean divides by the accepted samples instead, which the last factor is for.
+// Of n replicas of R samples with sums S_k, T = sum S_k and Q = sum S_k^2, the variance of a replica's sum is estimated without
+// bias by s^2 = (Q - T^2/n)/(n - 1), whatever a replica's samples have to do with each other, because replicas are independent.
+// T/(n R) then has the variance s^2/(n R^2). pixel_mean divides by the accepted samples instead, which the last factor is for.
 //
-// T is exact, each square is rounded to 2^(2 (exponent - FILM_SQUARE_FRACTION_BITS)), and the difference loses T^2/n 2^-63 to the 64 bits
-// of long double: a relative error of the mean below 2^-31/sqrt(n) is not resolved, nor one below 2^(exponent - FILM_SQUARE_FRACTION_BITS)/R.
+// T is exact, each square is rounded to 2^(2 (exponent - FILM_SQUARE_FRACTION_BITS)), and the difference loses T^2/n 2^-63 to
+// the 64 bits of long double: a relative error of the mean below 2^-31/sqrt(n) is not resolved, nor one below
+// 2^(exponent - FILM_SQUARE_FRACTION_BITS)/R.
 std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std::size_t pixel) {
   const std::uint64_t taken = accepted(film, pixel);
   if (film.replicas < 2 || taken == 0) return {};

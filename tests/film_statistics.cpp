@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t pixels = 4000, replicas = 12;
 
-// Means and promises of `pixels` pixels, of samples of mean 1/2 that draw(k) makes for the k-th of each replica. `deviation` is that of
-// the mean of all samples.
+// Means and promises of `pixels` pixels, of samples of mean 1/2 that draw(k) makes for the k-th of each replica. `deviation`
+// is that of the mean of all samples.
 template <class Draw>
 void expect_promise(double deviation, const Draw& draw) {
   std::vector<packed_float3> samples;
@@ -31,8 +31,8 @@ void expect_promise(double deviation, const Draw& draw) {
       spread += z * z;
       covered += std::abs(z) <= 2.2010 * error;  // Student's t, 11 degrees of freedom, two-sided 95 %
     }
-  // The sums of some 10 samples and more are normal to a per cent of what follows: of n - 1 degrees of freedom, the variance of s^2 is
-  // 2/(n - 1) of its square.
+  // The sums of some 10 samples and more are normal to a per cent of what follows: of n - 1 degrees of freedom, the variance
+  // of s^2 is 2/(n - 1) of its square.
   const double n = 3.0 * pixels;
   EXPECT_NEAR(promised / n, 1.0, 1.01 * sidak_z * std::sqrt(2.0 / (replicas - 1.0) / n));
   EXPECT_NEAR(spread / n, 1.0, 1.01 * sidak_z * std::sqrt(2.0 / n));

@@ -383,6 +383,32 @@ TEST(film_test, sums_and_squares_of_complete_replicas_are_the_exact_integers) {
   }
 }
 
+// A replica of zeros gets the sum that stands in the pixel already. High limbs whose squares end just below a multiple of
+// 2^64, low ones of all ones: what the product of both adds overflows from limb to limb.
+TEST(film_test, squares_carry_through_all_limbs) {
+  Random random(9);
+  const std::size_t n = count_or_small(20000, 50);
+  std::vector<Uint128> sum(n);
+  std::vector<FilmPixel> film(n);
+  std::vector<FilmErrors> errors(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto root = static_cast<cl_ulong>(std::sqrt(std::ldexp(static_cast<long double>(1 + random.below(15)), 64)));
+    const cl_ulong high = random.below(2) ? root : random.engine() >> (30 + random.below(34));
+    const cl_ulong low = random.below(2) ? ~cl_ulong{0} - random.below(3) : random.engine();
+    sum[i] = static_cast<Uint128>(high) << 64 | low;
+    film[i].sum[1][0] = low, film[i].sum[1][1] = high;
+    for (ulong& limb : errors[i].square[1]) limb = random.below(2) ? ~cl_ulong{0} : random.engine();
+    errors[i].square[1][2] >>= 8;
+  }
+  const std::vector<FilmErrors> before = errors;
+  add_in_replicas(film, errors, std::vector<packed_float3>(n * REPLICA_SAMPLES, {0, 0, 0}), 0, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const ulong* limbs = before[i].square[1];
+    const Wide expected = plus({limbs[0], limbs[1], limbs[2]}, rounded_square(sum[i]));
+    for (int limb = 0; limb < 3; ++limb) ASSERT_EQ(errors[i].square[1][limb], expected[limb]) << i << " limb " << limb;
+  }
+}
+
 // All but the last of 2^33 samples that are as large as the film takes them stand in the sums already.
 TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) {
   const float largest = std::nextafter(std::ldexp(1.0f, FILM_HEADROOM_BITS), 0.0f);

@@ -46,7 +46,7 @@ TEST(sampler_statistics, nets_of_neighbouring_dimensions_replicas_and_pixels_are
       {"next dimension", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 5, 3}; })},
       {"next vertex", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 5, 6}; })},
       {"next dimension, another sample", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 4, 3}; })},
-      {"next dimension, farthest sample", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 5 ^ (REPLICA_SAMPLES / 2), 3}; })},
+      {"next dimension, farthest sample", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 13, 3}; })},
       {"next replica", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 5 + REPLICA_SAMPLES, 2}; })},
       {"late replica", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel, 5 + (cl_ulong{1} << 32), 2}; })},
       {"next pixel", draw([](cl_uint pixel) { return SamplerPlace{2 * pixel + 1, 5, 2}; })}};
@@ -54,6 +54,26 @@ TEST(sampler_statistics, nets_of_neighbouring_dimensions_replicas_and_pixels_are
   for (const auto& [name, other] : others)
     for (int a = 0; a < 2; ++a)
       for (int b = 0; b < 2; ++b) EXPECT_GT(joint_uniformity(here, a, other, b), least) << name << " " << a << b;
+}
+
+// Whether two samples lie in the same half of one net and of another. Were the points of both in the same order, it would be
+// always, or never.
+TEST(sampler_statistics, order_of_a_net_says_nothing_of_the_order_of_another) {
+  for (const cl_ulong sample : {1, 7, 13})
+    for (const cl_uint dimension : {3u, 4u, 6u})
+      for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) {
+          const auto together = [&](cl_uint in, int coordinate) {
+            const auto one = draw([in](cl_uint pixel) { return SamplerPlace{pixel, 5, in}; });
+            const auto other = draw([in, sample](cl_uint pixel) { return SamplerPlace{pixel, sample, in}; });
+            std::vector<double> same(pixels);
+            for (std::size_t i = 0; i < pixels; ++i)
+              same[i] = ((net_digits(one[i], coordinate) ^ net_digits(other[i], coordinate)) & (REPLICA_SAMPLES / 2)) == 0;
+            return same;
+          };
+          const double z = correlation(together(2, a), together(dimension, b)) * std::sqrt(static_cast<double>(pixels));
+          EXPECT_GT(normal_tails(z), significance(36)) << "sample " << sample << ", dimension " << dimension << ", " << a << b;
+        }
 }
 
 // Of two points, the first four of those digits.

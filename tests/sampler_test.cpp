@@ -12,9 +12,11 @@ namespace {
 // Samples of many pixels, replicas up to the last of 2^33 samples, and dimensions on both sides of the nets' end.
 std::vector<SamplerPlace> places() {
   Random random(1);
+  const cl_uint dimensions = sobol_dimensions();
   std::vector<SamplerPlace> list;
   for (std::size_t i = 0; i < count_or_small(20000, 50); ++i)
-    list.push_back({random.below(1u << 31), random.engine() >> 31, i % 2 ? random.below(2 * sobol_dimensions()) : random.below(16388)});
+    list.push_back({random.below(1u << 31), random.engine() >> 31,
+                    i % 2 ? random.below(2 * dimensions) : random.below(16388)});
   return list;
 }
 

@@ -15,7 +15,8 @@ struct SamplerBits {
   std::vector<cl_ulong> bits, independent;  // the latter: what the independent sampler says
 };
 
-inline SamplerBits draw_bits(SamplerKind kind, cl_ulong seed, const std::vector<SamplerPlace>& places, Features features = every_feature) {
+inline SamplerBits draw_bits(SamplerKind kind, cl_ulong seed, const std::vector<SamplerPlace>& places,
+                             Features features = every_feature) {
   Settings settings{};
   settings.sampler = kind;
   settings.seed = seed;
@@ -23,8 +24,8 @@ inline SamplerBits draw_bits(SamplerKind kind, cl_ulong seed, const std::vector<
   std::vector<cl_ulong> sample;
   for (const SamplerPlace& p : places) pixel.push_back(p.pixel), sample.push_back(p.sample), dimension.push_back(p.dimension);
   SamplerBits result{std::vector<cl_ulong>(places.size()), std::vector<cl_ulong>(places.size())};
-  run_with({features}, "sampler_test.cl", "draw", places.size(), std::vector<Settings>{settings}, pixel, sample, dimension, out(result.bits),
-           out(result.independent));
+  run_with({features}, "sampler_test.cl", "draw", places.size(), std::vector<Settings>{settings}, pixel, sample, dimension,
+           out(result.bits), out(result.independent));
   return result;
 }
 

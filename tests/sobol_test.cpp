@@ -34,8 +34,8 @@ std::vector<cl_ulong> random_trees(std::size_t count) {
 
 }  // namespace
 
-// Sobol's second dimension belongs to the primitive polynomial x + 1: direction numbers m_k = 2 m_(k-1) xor m_(k-1), m_1 = 1 (Bratley and
-// Fox 1988; Joe and Kuo 2008). The first one is van der Corput's sequence, m_k = 1.
+// Sobol's second dimension belongs to the primitive polynomial x + 1: direction numbers m_k = 2 m_(k-1) xor m_(k-1), m_1 = 1
+// (Bratley and Fox 1988; Joe and Kuo 2008). The first one is van der Corput's sequence, m_k = 1.
 TEST(sobol_test, unscrambled_points_are_those_of_the_direction_numbers) {
   const std::vector<Point> points = nets({0});
   for (cl_uint i = 0; i < n; ++i) {
@@ -49,7 +49,8 @@ TEST(sobol_test, unscrambled_points_are_those_of_the_direction_numbers) {
   }
 }
 
-// Every elementary interval of area 2^-k holds one of every 2^k points from a multiple of 2^k on, for every k: so is a part of a replica.
+// Every elementary interval of area 2^-k holds one of every 2^k points from a multiple of 2^k on, for every k: so is a part
+// of a replica.
 TEST(sobol_test, every_elementary_interval_holds_one_point_of_every_aligned_block) {
   const std::vector<Point> points = nets(random_trees(count_or_small(20000, 5)));
   for (int k = 0; k <= m; ++k)
@@ -65,8 +66,8 @@ TEST(sobol_test, every_elementary_interval_holds_one_point_of_every_aligned_bloc
       }
 }
 
-// All trees on all digits. A scrambling is Owen's if digits that agree up to one agree up to that one afterwards, and as there are as many
-// such permutations as trees, each comes with equal probability if no two trees have the same one.
+// All trees on all digits. A scrambling is Owen's if digits that agree up to one agree up to that one afterwards, and as
+// there are as many such permutations as trees, each comes with equal probability if no two trees have the same one.
 TEST(sobol_test, trees_are_all_of_owens_permutations_once_each) {
   const cl_uint trees = static_cast<cl_uint>(count_or_small(std::size_t{1} << (n - 1), 64));
   std::vector<cl_uint> digits, tree;

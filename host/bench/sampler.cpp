@@ -1,4 +1,6 @@
 // Scrambled Sobol points against independent numbers: the error that they leave, and the time that they take.
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "../film.h"
@@ -34,8 +36,8 @@ struct Sampled {
   }
 };
 
-// Of the mean of one sample: mean over pixels and channels of the squared standard error times the samples, and the same relative to the
-// square of the pixel, dark ones (below a tenth of the mean) like those of a tenth.
+// Of the mean of one sample: mean over pixels and channels of the squared standard error times the samples, and the same
+// relative to the square of the pixel, dark ones (below a tenth of the mean) like those of a tenth.
 struct Errors {
   double absolute = 0.0, relative = 0.0;
 };
@@ -45,11 +47,12 @@ Errors errors_of(const Film& film) {
   for (std::size_t i = 0; i < film.pixels.size(); ++i)
     for (const double x : pixel_mean(film, i)) mean += x / (3.0 * static_cast<double>(film.pixels.size()));
   Errors errors;
+  const double weight = static_cast<double>(film.samples) / (3.0 * static_cast<double>(film.pixels.size()));
   for (std::size_t i = 0; i < film.pixels.size(); ++i) {
     const auto pixel = pixel_mean(film, i);
     const auto error = pixel_standard_error(film, i);
     for (int c = 0; error && c < 3; ++c) {
-      const double squared = (*error)[c] * (*error)[c] * static_cast<double>(film.samples) / (3.0 * static_cast<double>(film.pixels.size()));
+      const double squared = weight * (*error)[c] * (*error)[c];
       errors.absolute += squared;
       errors.relative += squared / std::pow(std::max(pixel[c], 0.1 * mean), 2.0);
     }
@@ -76,7 +79,8 @@ void compare(const Options& options, const std::filesystem::path& file, const De
   const std::string name = file.stem().string() + " Sobol against independent: ";
   table.add({name + "time", "us/sample", per_sample(seconds[0]), per_sample(seconds[1]), slower});
   table.add({name + "variance", "", errors[0].absolute, errors[1].absolute, gain(errors[0].absolute, errors[1].absolute)});
-  table.add({name + "relative variance", "", errors[0].relative, errors[1].relative, gain(errors[0].relative, errors[1].relative)});
+  table.add({name + "relative variance", "", errors[0].relative, errors[1].relative,
+             gain(errors[0].relative, errors[1].relative)});
   const double speedup = errors[1].relative / errors[0].relative / slower.median;
   table.add({name + "relative variance at equal time", "", {}, {}, Spread{speedup, speedup, speedup}});
 }
@@ -86,7 +90,8 @@ void compare(const Options& options, const std::filesystem::path& file, const De
 void bench_sampler(const Options& options, Table& table) {
   std::vector<std::filesystem::path> files;
   if (options.scene) files.push_back(*options.scene);
-  for (const char* name : {"cornell-boxes", "cornell", "lambert", "oren-nayar", "disney-diffuse", "normal-map", "bricks", "mirror-glass", "diamond"})
+  for (const char* name : {"cornell-boxes", "cornell", "lambert", "oren-nayar", "disney-diffuse", "normal-map", "bricks",
+                           "mirror-glass", "diamond"})
     if (const auto file = own_scene(name); file && !options.scene) files.push_back(*file);
   table.heading("samplers, films of at most " + std::to_string(film_side) + " pixels a side, " + std::to_string(samples) +
                 " samples in replicas of " + std::to_string(REPLICA_SAMPLES));

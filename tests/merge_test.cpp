@@ -116,6 +116,7 @@ TEST(merge_test, sums_and_counts_are_those_of_all_parts) {
     }
   }
   EXPECT_EQ(sum.film.samples, 116u);
+  EXPECT_EQ(sum.film.rays, 4 * parts[0].film.rays);
   EXPECT_EQ(sum.film.rays, 4u * parts[0].film.rays);
   EXPECT_EQ(sum.ranges, (std::vector<SampleRange>{{0, 96}, {128, 20}}));
 }

@@ -20,12 +20,14 @@ OUT_OF_LINE ulong render_pixel(const Scene *scene, Pixel pixel, __global FilmPix
 }
 
 // rays: of each work item, over all launches.
+// The film's arrays begin with the pixel of that index in the crop window.
 __kernel __attribute__((reqd_work_group_size(WORK_GROUP_SIZE, 1, 1))) void render(
     SCENE_ARGUMENTS, __global FilmPixel *film, __global FilmMoments *moments, __global FilmErrors *errors, __global ulong *rays,
-    uint base, ulong first_sample, uint samples) {
+    uint base, uint first_pixel, ulong first_sample, uint samples) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
   const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
   if (!pixel.inside) return;
-  rays[get_global_id(0)] += render_pixel(&scene, pixel, film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0,
-                                         errors + pixel.index, first_sample, samples);
+  const uint index = pixel.index - first_pixel;
+  rays[get_global_id(0)] +=
+      render_pixel(&scene, pixel, film + index, HAS(MOMENTS) ? moments + index : 0, errors + index, first_sample, samples);
 }

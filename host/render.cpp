@@ -21,15 +21,50 @@ cl::Buffer zeroed(const Device& device, std::size_t bytes) {
   return buffer;
 }
 
-// Blocks until it is done.
-void launch(Renderer& renderer, std::size_t base, std::size_t items, uint samples) {
+// Blocks until it is done. The buffers hold the band.
+void launch(Renderer& renderer, std::size_t band, std::size_t base, std::size_t items, uint samples) {
   const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 4;
   renderer.kernel.setArg(first, static_cast<cl_uint>(base));
-  renderer.kernel.setArg(first + 1, static_cast<cl_ulong>(renderer.first_sample + renderer.samples));
-  renderer.kernel.setArg(first + 2, static_cast<cl_uint>(samples));
+  renderer.kernel.setArg(first + 1, static_cast<cl_uint>(band * renderer.plan.rows * renderer.settings.crop_width));
+  renderer.kernel.setArg(first + 2, static_cast<cl_ulong>(renderer.first_sample + renderer.samples));
+  renderer.kernel.setArg(first + 3, static_cast<cl_uint>(samples));
   const cl::CommandQueue& queue = renderer.device->queue;
   queue.enqueueNDRangeKernel(renderer.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
   queue.finish();
+}
+
+std::size_t pixel_count(const Renderer& renderer) {
+  return std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height;
+}
+
+// The arrays of a film of this size.
+void allocate(const Renderer& renderer, Film& film) {
+  const std::size_t count = pixel_count(renderer);
+  film.pixels.resize(count);
+  film.errors.resize(count);
+  if (renderer.moments()) film.moments.resize(count);
+}
+
+// Calls copy(buffer, bytes, array) for each of the film's arrays, array being where the band begins in it.
+template <class AnyFilm, class Copy>
+void copy_band(const Renderer& renderer, std::size_t band, AnyFilm& film, Copy copy) {
+  const std::size_t first = band * renderer.plan.rows * renderer.settings.crop_width;
+  const std::size_t count = std::min(pixel_count(renderer) - first, std::size_t{renderer.plan.rows} * renderer.settings.crop_width);
+  copy(renderer.film, count * sizeof(FilmPixel), film.pixels.data() + first);
+  copy(renderer.errors, count * sizeof(FilmErrors), film.errors.data() + first);
+  if (renderer.moments()) copy(renderer.moments, count * sizeof(FilmMoments), film.moments.data() + first);
+}
+
+void read_band(const Renderer& renderer, std::size_t band, Film& film) {
+  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t bytes, void* array) {
+    renderer.device->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, bytes, array);
+  });
+}
+
+void write_band(const Renderer& renderer, std::size_t band, const Film& film) {
+  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t bytes, const void* array) {
+    renderer.device->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, array);
+  });
 }
 
 }  // namespace
@@ -46,20 +81,21 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
   return {features, bvh.width, bvh.stack_size(), scene.approximations};
 }
 
-Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) {
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, std::size_t most_film) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
-  check_memory(device, plan, film_bytes(scene.settings), moment_bytes(scene), error_bytes(scene.settings));
+  const FilmPlan film = plan_film(device, scene, plan, most_film);
+  check_memory(device, plan, film);
   try {
-    Renderer renderer{&device, scene.settings, upload(device, plan), zeroed(device, film_bytes(scene.settings)),
-                      zeroed(device, moment_bytes(scene)), zeroed(device, error_bytes(scene.settings)),
-                      zeroed(device, max_launch * sizeof(cl_ulong)), {}};
+    Renderer renderer{&device, scene.settings, film, upload(device, plan), zeroed(device, film.film), zeroed(device, film.moments),
+                      zeroed(device, film.errors), zeroed(device, max_launch * sizeof(cl_ulong)), {}};
     renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film);
     renderer.kernel.setArg(next + 1, renderer.moments);
     renderer.kernel.setArg(next + 2, renderer.errors);
     renderer.kernel.setArg(next + 3, renderer.rays);
-    launch(renderer, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
+    if (film.bands > 1) allocate(renderer, renderer.on_host);
+    launch(renderer, 0, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
     return renderer;
   } catch (const cl::Error& error) {
     throw device_error(device, error);
@@ -68,11 +104,19 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh) 
 
 void render_pass(Renderer& renderer, uint samples, const std::function<void(double)>& progress) {
   const std::size_t count = padded_pixels(renderer.settings);
+  const std::size_t band_items = count / ((renderer.settings.crop_height + TILE_WIDTH - 1) / TILE_WIDTH) *
+                                 ((renderer.plan.rows + TILE_WIDTH - 1) / TILE_WIDTH);
+  const bool several = renderer.plan.bands > 1;
   try {
-    for (std::size_t base = 0; base < count; base += max_launch) {
-      const std::size_t items = std::min(max_launch, count - base);
-      launch(renderer, base, items, samples);
-      if (progress) progress(static_cast<double>(base + items) / static_cast<double>(count));
+    for (std::size_t band = 0; band < renderer.plan.bands; ++band) {
+      if (several) write_band(renderer, band, renderer.on_host);
+      const std::size_t end = std::min(count, (band + 1) * band_items);
+      for (std::size_t base = band * band_items; base < end; base += max_launch) {
+        const std::size_t items = std::min(max_launch, end - base);
+        launch(renderer, band, base, items, samples);
+        if (progress) progress(static_cast<double>(base + items) / static_cast<double>(count));
+      }
+      if (several) read_band(renderer, band, renderer.on_host);
     }
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);
@@ -91,23 +135,17 @@ std::uint64_t ray_count(const Renderer& renderer) {
 }
 
 Film read_film(const Renderer& renderer) {
-  Film film;
+  Film film = renderer.on_host;
   film.width = renderer.settings.crop_width;
   film.height = renderer.settings.crop_height;
   film.exponent = renderer.settings.film_exponent;
   film.samples = renderer.samples;
   film.replicas = renderer.samples / REPLICA_SAMPLES;
   film.rays = ray_count(renderer);
-  const std::size_t count = std::size_t{film.width} * film.height;
-  film.pixels.resize(count);
-  film.errors.resize(count);
+  if (renderer.plan.bands > 1) return film;
+  allocate(renderer, film);
   try {
-    renderer.device->queue.enqueueReadBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
-    renderer.device->queue.enqueueReadBuffer(renderer.errors, CL_TRUE, 0, count * sizeof(FilmErrors), film.errors.data());
-    if (renderer.moments()) {
-      film.moments.resize(count);
-      renderer.device->queue.enqueueReadBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
-    }
+    read_band(renderer, 0, film);
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);
   }
@@ -116,7 +154,7 @@ Film read_film(const Renderer& renderer) {
 
 void restore_film(Renderer& renderer, const Film& film) {
   const Settings& settings = renderer.settings;
-  const std::size_t count = std::size_t{settings.crop_width} * settings.crop_height;
+  const std::size_t count = pixel_count(renderer);
   const bool moments = renderer.moments() != nullptr;
   if (film.width != settings.crop_width || film.height != settings.crop_height || film.exponent != settings.film_exponent ||
       film.pixels.size() != count || film.errors.size() != count || film.moments.size() != (moments ? count : 0) ||
@@ -125,11 +163,9 @@ void restore_film(Renderer& renderer, const Film& film) {
                                          ", expected " +
                                          description(settings.crop_width, settings.crop_height, settings.film_exponent, moments));
   try {
-    const cl::CommandQueue& queue = renderer.device->queue;
-    queue.enqueueWriteBuffer(renderer.film, CL_TRUE, 0, count * sizeof(FilmPixel), film.pixels.data());
-    queue.enqueueWriteBuffer(renderer.errors, CL_TRUE, 0, count * sizeof(FilmErrors), film.errors.data());
-    queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
-    if (moments) queue.enqueueWriteBuffer(renderer.moments, CL_TRUE, 0, count * sizeof(FilmMoments), film.moments.data());
+    renderer.device->queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
+    if (renderer.plan.bands > 1) renderer.on_host = film;
+    else write_band(renderer, 0, film);
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);
   }

@@ -30,20 +30,23 @@ std::size_t padded_pixels(const Settings& settings);
 struct Renderer {
   const Device* device;
   Settings settings;
+  FilmPlan plan;
   std::vector<cl::Buffer> scene;
   cl::Buffer film, moments, errors, rays;
   cl::Kernel kernel;
   std::uint64_t first_sample = 0;  // number of the first sample that is rendered, a multiple of REPLICA_SAMPLES
   std::uint64_t samples = 0;       // per pixel, from there on, so far
   std::uint64_t restored_rays = 0; // of a film that was put back
+  Film on_host{};                  // its arrays, if there are several bands: the buffers hold one at a time
 };
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
 
 // Compiles and uploads. The device, the scene (without the input of the BVH) and the BVH must outlive the renderer.
-// Throws Error(Exit::device).
-Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh);
-Renderer start_render(const Device& device, const Scene& scene, Bvh&& bvh) = delete;
+// `most_film`: bytes of film on the device, see plan_film. Throws Error(Exit::device).
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh,
+                      std::size_t most_film = std::numeric_limits<std::size_t>::max());
+Renderer start_render(const Device& device, const Scene& scene, Bvh&& bvh, std::size_t most_film = 0) = delete;
 
 // Adds `samples` samples to every pixel. `progress` is told, after each launch, the share of the pass that is done, in (0, 1].
 // Throws Error(Exit::device).

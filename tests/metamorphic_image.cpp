@@ -208,6 +208,26 @@ TEST(metamorphic_image, film_that_is_read_and_put_back_goes_on_as_if_nothing_had
   }
 }
 
+// 45x37 pixels with moments: 14 760 bytes a row.
+TEST(metamorphic_image, film_in_bands_is_the_film_in_one) {
+  const Scene scene = place_scene(zoo());
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  const auto rendered = [&](std::size_t most_film, uint bands, std::optional<Film> before) {
+    Renderer renderer = start_render(device(), scene, bvh, most_film);
+    EXPECT_EQ(renderer.plan.bands, bands);
+    if (before) restore_film(renderer, *before);
+    for (const uint samples : {3u, REPLICA_SAMPLES + 0u}) render_pass(renderer, samples);
+    return read_film(renderer);
+  };
+  const Film whole = rendered(1 << 30, 1, {});
+  for (const auto& [most_film, bands] : {std::pair(14760 * 36, 2u), {14760 * 16, 3u}, {1, 5u}}) {
+    const Film film = rendered(most_film, bands, {});
+    EXPECT_EQ(different_pixels(whole, film), 0u) << bands;
+    EXPECT_EQ(film.rays, whole.rays);
+    EXPECT_EQ(different_pixels(rendered(1 << 30, 1, whole), rendered(most_film, bands, film)), 0u) << bands;
+  }
+}
+
 TEST(metamorphic_image, film_of_another_window_scale_or_without_moments_is_not_put_back) {
   const Scene scene = place_scene(zoo());
   const Bvh bvh = build_bvh(scene, device().bvh_width);

@@ -177,3 +177,12 @@ TEST_F(render_loop_test, without_a_checkpoint_resume_begins) {
   expect_exit(0, render(image("b"), {"--spp", "4", "--resume"}));
   EXPECT_EQ(bytes_of(image("a")), bytes_of(image("b")));
 }
+
+// 128x128 pixels are 2.9 MiB: three bands and one.
+TEST_F(render_loop_test, a_film_in_bands_gives_the_same_file) {
+  expect_exit(0, render(image("a"), {"--spp", "17", "--size", "128x128"}));
+  expect_exit(0, render(image("b"), {"--spp", "17", "--size", "128x128", "--film-memory", "1"}));
+  EXPECT_EQ(bytes_of(image("a")), bytes_of(image("b")));
+}
+
+TEST_F(render_loop_test, an_image_may_have_one_pixel) { expect_exit(0, render(image("a"), {"--spp", "3", "--size", "1x1"})); }

@@ -8,9 +8,10 @@ using namespace oclair::test;
 
 namespace {
 
-std::string refusal(const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments, std::size_t errors = 0) {
+std::string refusal(const std::vector<BufferPlan>& plan, std::size_t film, std::size_t moments, std::size_t errors = 0,
+                    uint bands = 1) {
   try {
-    check_memory(device(), plan, film, moments, errors);
+    check_memory(device(), plan, {8, bands, film, moments, errors});
   } catch (const Error& error) {
     EXPECT_EQ(error.exit, Exit::device);
     return error.what();
@@ -37,4 +38,39 @@ TEST(upload_test, all_buffers_together_have_the_devices_memory) {
   const std::size_t most = largest_buffer();
   const std::vector<BufferPlan> plan(all_memory() / most + 1, {"nodes", nullptr, most});
   EXPECT_EQ(refusal(plan, 0, 0).find("device memory: the scene with its film takes "), 0u);
+}
+
+TEST(upload_test, a_film_in_bands_that_exceeds_the_hosts_memory_is_refused) {
+  EXPECT_EQ(refusal({}, 1 << 20, 0, 0, 1u << 31).find("memory: the film takes 2147483648 MiB, expected at most the "), 0u);
+  EXPECT_EQ(refusal({}, 1 << 20, 0, 0, 2), "");
+}
+
+// 184 bytes a pixel, 328 with moments: 100 x 1000 pixels.
+TEST(upload_test, a_film_has_as_few_bands_of_whole_tile_rows_as_fit) {
+  Scene scene;
+  scene.settings.crop_width = 100;
+  scene.settings.crop_height = 1000;
+  const auto planned = [&](std::size_t most) { return plan_film(device(), scene, {}, most); };
+  EXPECT_EQ(planned(18400000).bands, 1u);
+  EXPECT_EQ(planned(18400000).rows, 1000u);
+  EXPECT_EQ(planned(18399999).rows, 992u);
+  EXPECT_EQ(planned(18399999).bands, 2u);
+  EXPECT_EQ(planned(18400 * 333).rows, 328u);
+  EXPECT_EQ(planned(18400 * 333).bands, 4u);
+  EXPECT_EQ(planned(1).rows, 8u);  // a row of tiles, whatever it takes
+  EXPECT_EQ(planned(18400 * 333).film, 328u * 100 * 64);
+  EXPECT_EQ(planned(18400 * 333).errors, 328u * 100 * 120);
+  EXPECT_EQ(planned(18400 * 333).moments, 0u);
+  scene.features = FEATURE_MOMENTS;
+  EXPECT_EQ(planned(32800 * 333).rows, 328u);
+  EXPECT_EQ(planned(32800 * 333).moments, 328u * 100 * 144);
+}
+
+// What this device allows beside a scene that leaves it little.
+TEST(upload_test, the_scene_goes_before_the_film) {
+  Scene scene;
+  scene.settings.crop_width = 100;
+  scene.settings.crop_height = 1000;
+  const std::vector<BufferPlan> plan = {{"nodes", nullptr, all_memory() - 18400 * 20}};
+  EXPECT_EQ(plan_film(device(), scene, plan).rows, 16u);
 }

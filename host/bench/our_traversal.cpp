@@ -13,7 +13,7 @@ std::function<double()> timed_on(const Device& device, std::function<void()> run
 
 OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& bvh) : device_(device) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
-  check_memory(device, plan, 0, 0, 0);
+  check_memory(device, plan, {});
   scene_ = upload(device, plan);
   const cl::Program program =
       build_program(device, kernel_directory() / "traversal.cl", {scene.features, bvh.width, bvh.stack_size(), 0});

@@ -29,17 +29,21 @@ void print_features(Features features) {
 #undef FEATURE_ROW
 }
 
-void print_memory(const Scene& scene, const Bvh& bvh) {
+void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
   std::vector<BufferPlan> buffers = plan_buffers(scene, bvh);
-  buffers.push_back({"film", nullptr, film_bytes(scene.settings)});
-  buffers.push_back({"moments", nullptr, moment_bytes(scene)});
-  buffers.push_back({"errors", nullptr, error_bytes(scene.settings)});
+  const FilmPlan film = plan_film(device, scene, buffers);
+  buffers.push_back({"film", nullptr, film.film});
+  buffers.push_back({"moments", nullptr, film.moments});
+  buffers.push_back({"errors", nullptr, film.errors});
   std::size_t sum = 0;
   for (const BufferPlan& buffer : buffers) {
     if (buffer.bytes > 0) row("buffer") << buffer.name << ": " << format_bytes(buffer.bytes) << "\n";
     sum += buffer.bytes;
   }
   row("memory") << format_bytes(sum) << " on the device\n";
+  if (film.bands > 1)
+    row("film") << "in " << film.bands << " bands of " << film.rows << " rows, one after another on the device; "
+                << format_bytes((film.film + film.moments + film.errors) / film.rows * scene.settings.crop_height) << " on the host\n";
   if (!scene.triangles.empty())
     row("per triangle") << std::fixed << std::setprecision(1) << bytes_per_triangle(scene, bvh)
                         << " bytes of nodes, blocks and what shading reads\n";
@@ -69,7 +73,7 @@ Exit info(const InfoOptions& options) {
   row("kernel") << "render in path.cl, " << name_of(variant_of(scene.features)) << ": features 0x" << std::hex << kernel.features << std::dec << ", width "
                 << kernel.bvh_width << ", stack of " << kernel.stack_size << "\n";
   row("device") << device.name << "\n";
-  print_memory(scene, bvh);
+  print_memory(device, scene, bvh);
   return Exit::success;
 }
 

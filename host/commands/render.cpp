@@ -135,7 +135,7 @@ Exit render(const RenderOptions& options) {
   scene.triangles = {};
 
   phases.begin("kernels");
-  Renderer renderer = start_render(device, scene, bvh);
+  Renderer renderer = start_render(device, scene, bvh, options.film_memory);
   renderer.first_sample = wanted.first;
   if (options.images.exr && options.aovs.any()) {
     phases.begin("layers");

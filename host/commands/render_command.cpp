@@ -88,6 +88,9 @@ Command render_command(CLI::App& program) {
        "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared",
        [o](Name name, Given given) { o->exact_kernel = exact_kernel(name, given); });
 
+  number("--film-memory", 1, 1 << 24, "MiB that the film may take on the device: a larger one is there band by band; default: what there is",
+         [o](std::uint64_t n) { o->film_memory = static_cast<std::size_t>(n) << 20; });
+
   line.option_defaults()->group("When it ends: whichever comes first");
   number("--spp", 1, MAX_SAMPLES, "samples per pixel", [o](std::uint64_t n) { o->samples_per_pixel = n; });
   text("--time", "TIME", "seconds since the program started, or 90s, 2m, 1.5h",

@@ -147,7 +147,14 @@ Exit render(const RenderOptions& options) {
   std::optional<TevClient> viewer;
   if (options.viewer) viewer.emplace(*options.viewer);
   OnTheWay way;
-  way.write_picture = [&](const Checkpoint& now) { write_images(options.images, now, {"", phases.seconds()}); };
+  const auto tell_files = [&] {
+    for (const auto& file : {options.images.exr, options.images.png})
+      if (file) progress.wrote_file(file->string());
+  };
+  way.write_picture = [&](const Checkpoint& now) {
+    write_images(options.images, now, {"", phases.seconds()});
+    tell_files();
+  };
   way.write_checkpoint = [&](const Checkpoint& now) {
     write_checkpoint(options.checkpoint, now);
     progress.wrote_checkpoint(options.checkpoint.string());
@@ -169,8 +176,7 @@ Exit render(const RenderOptions& options) {
   if (!keeps) fs::remove(options.checkpoint);
   phases.end();
   if (const std::string warning = film_warning(state.film); !warning.empty()) progress.warning(warning);
-  for (const auto& file : {options.images.exr, options.images.png})
-    if (file) progress.wrote_file(file->string());
+  tell_files();
   print_files(options.images);
   const Exit exit = done ? Exit::success : Exit::stopped;
   progress.finish(std::string(name_of(stop)), static_cast<int>(exit));

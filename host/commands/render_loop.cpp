@@ -27,9 +27,17 @@ class Loop {
       monitor_.emplace(*limits.error, limits.confidence);
       if (renderer.samples > 0) monitor_->add(film());
     }
+    warn_of_viewer();
   }
 
   Stop run() {
+    const Stop stop = run_until_stopped();
+    if (monitor_ && stop != Stop::error) progress_.warning("the error is not certified to be below its limit: " + monitor_->why_not());
+    return stop;
+  }
+
+ private:
+  Stop run_until_stopped() {
     while (!stop_requested()) {
       const unsigned samples = schedule_.next_pass(renderer_.samples);
       if (samples == 0) return renderer_.samples >= limits_.samples ? Stop::samples : Stop::time;
@@ -43,7 +51,6 @@ class Loop {
     return Stop::signal;
   }
 
- private:
   const Film& film() {
     if (!film_is_current_) take_film(renderer_, state_);
     film_is_current_ = true;
@@ -57,10 +64,27 @@ class Loop {
     render_pass(renderer_, samples, [&](double share) {
       const double done = static_cast<double>(renderer_.samples) + share * samples;
       progress_.samples(in_film(done), open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
-                        {ray_count(renderer_) - rays_before_, monitor_ ? monitor_->estimate() : std::nullopt, schedule_.seconds_left()});
+                        {ray_count(renderer_) - rays_before_, monitor_ ? monitor_->estimate() : std::nullopt, seconds_left(done)});
     });
     schedule_.pass_ended(samples);
     film_is_current_ = false;
+  }
+
+  // Until the time is up or the error reached, whichever is sooner; the number of samples is the progress's own business.
+  std::optional<double> seconds_left(double done) {
+    std::optional<double> seconds = schedule_.seconds_left();
+    const double taken = done - samples_before_, elapsed = steady_seconds() - begun_;
+    if (monitor_ && taken > 0.0)
+      if (const auto expected = monitor_->samples_expected()) {
+        const double by_error = std::max(0.0, static_cast<double>(*expected) - done) * elapsed / taken;
+        seconds = std::min(by_error, seconds.value_or(by_error));
+      }
+    return seconds;
+  }
+
+  void warn_of_viewer() {
+    if (!way_.viewer) return;
+    if (const auto warning = way_.viewer->take_warning()) progress_.warning(*warning);
   }
 
   void write_what_is_due() {
@@ -77,7 +101,7 @@ class Loop {
     }
     if (way_.viewer && way_.viewer->connected() && steady_seconds() - viewed_ >= viewer_interval) {
       way_.viewer->show("oclair", film().width, film().height, rgb_of(film()));
-      if (const auto warning = way_.viewer->take_warning()) progress_.warning(*warning);
+      warn_of_viewer();
       viewed_ = steady_seconds();
     }
   }
@@ -99,6 +123,7 @@ class Loop {
   Schedule schedule_;
   std::optional<ErrorMonitor> monitor_;
   const std::uint64_t rays_before_ = ray_count(renderer_);
+  const double samples_before_ = static_cast<double>(renderer_.samples), begun_ = steady_seconds();
   bool film_is_current_ = false;
   double viewed_ = -std::numeric_limits<double>::infinity();
 };

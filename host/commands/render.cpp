@@ -93,6 +93,19 @@ bool reached(const RenderOptions& options, Stop stop) {
   return true;
 }
 
+// Each is tried whatever becomes of the other: what one of them saves need not be rendered again.
+void write_at_the_end(const std::function<void()>& write_images, const std::function<void()>& write_checkpoint) {
+  std::exception_ptr failure;
+  for (const auto* write : {&write_checkpoint, &write_images}) {
+    try {
+      (*write)();
+    } catch (const Error&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
 }  // namespace
 
 Exit render(const RenderOptions& options) {
@@ -171,9 +184,9 @@ Exit render(const RenderOptions& options) {
   const bool done = reached(options, stop);
   // One that nobody asked for has served when the image is there.
   const bool keeps = options.keep_checkpoint || !done;
-  if (keeps) way.write_checkpoint(state);
-  write_images(options.images, state, {std::string(name_of(stop)), phases.seconds()});
-  if (!keeps) fs::remove(options.checkpoint);
+  write_at_the_end([&] { write_images(options.images, state, {std::string(name_of(stop)), phases.seconds()}); },
+                   [&] { if (keeps) way.write_checkpoint(state); });
+  if (!keeps && fs::is_regular_file(options.checkpoint)) fs::remove(options.checkpoint);
   phases.end();
   if (const std::string warning = film_warning(state.film); !warning.empty()) progress.warning(warning);
   tell_files();

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cassert>
 #include <cerrno>
+#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -171,6 +172,13 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
 }
 
 }  // namespace
+
+bool begins_like_checkpoint(const fs::path& path) {
+  const std::string ours = FORMAT.substr(0, FORMAT.rfind(' ') + 1);
+  std::string first(ours.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  return file.read(first.data(), static_cast<std::streamsize>(first.size())) && first == ours;
+}
 
 void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   assert(is_sound(checkpoint));

@@ -31,6 +31,7 @@ struct Checkpoint {
   Film film;                        // of these samples; its size is the crop of head.film
   ImageHead head;
   std::vector<Layer> layers;        // do not depend on the samples; may be empty
+  bool kept = false;                // its user wants it when the render is done, too
 };
 
 // Replaces the file as a whole: see file_aside.h. Throws Error(Exit::render_failed).
@@ -41,6 +42,12 @@ Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 // The same without the arrays: the film has its size, exponent and number of samples, the layers their names.
 Checkpoint read_checkpoint_head(const std::filesystem::path& path);
+
+// Whether a file begins like a checkpoint: one that does not is none of ours to replace.
+bool begins_like_checkpoint(const std::filesystem::path& path);
+
+// The identity, and what else must agree for the arrays of two checkpoints to go together. Looks at no array.
+Identity with_film(const Checkpoint& checkpoint);
 
 // Throws Error(Exit::render_failed) with the name, and each entry that differs with both values.
 void require_same(const Identity& expected, const Identity& found, const std::string& name);

@@ -125,6 +125,7 @@ CheckpointHead head_of(const Json& json) {
   checkpoint.identity = text_pairs(member(json, "identity"), "identity");
   checkpoint.ranges = ranges(member(json, "ranges"));
   checkpoint.head.film = world_film(member(json, "film"));
+  checkpoint.kept = whole(member(json, "kept"), "kept", 0, 1) == 1;
   checkpoint.head.moment_name = text(member(json, "moment name"), "moment name");
   checkpoint.head.attributes = text_pairs(member(json, "attributes"), "attributes");
   checkpoint.film.width = checkpoint.head.film.crop_width;
@@ -152,6 +153,7 @@ std::string head_text(const Checkpoint& checkpoint, const std::vector<ArrayEntry
   for (const SampleRange& range : checkpoint.ranges) json["ranges"].push_back(Json::array({range.first, range.count}));
   json["film"] = json_of(checkpoint.head.film);
   json["exponent"] = checkpoint.film.exponent;
+  json["kept"] = checkpoint.kept ? 1 : 0;
   json["rays"] = checkpoint.film.rays;
   json["moment name"] = json_of(checkpoint.head.moment_name);
   json["attributes"] = json_of(checkpoint.head.attributes);

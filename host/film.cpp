@@ -74,7 +74,8 @@ std::optional<double> image_error(const Film& film) {
   double sum = 0.0;
   for (std::size_t i = 0; i < film.pixels.size(); ++i)
     if (const auto error = pixel_standard_error(film, i)) sum += square(*error) / (square(pixel_mean(film, i)) + floor);
-  return film.replicas < 2 ? std::nullopt : std::optional(std::sqrt(sum / count));
+    else return std::nullopt;
+  return std::sqrt(sum / count);
 }
 
 double pixel_alpha(const Film& film, std::size_t pixel) {

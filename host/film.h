@@ -22,7 +22,7 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
 
 // Standard error of the whole image: the root of the mean over its pixels of |s|^2/(|mu|^2 + 0.01 |m|^2), with s from pixel_standard_error,
 // mu from pixel_mean and m the mean of all mu, |.| over the three channels. It estimates the error that stopping.h defines; nothing
-// with fewer than two complete replicas, or for a black image.
+// with fewer than two complete replicas, for a black image, or where a pixel has no accepted sample.
 std::optional<double> image_error(const Film& film);
 
 // Share of the accepted samples that met something, in [0, 1].

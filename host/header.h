@@ -22,7 +22,7 @@ struct Origin {
   std::string scene;         // name of its file, without directories
   std::string scene_hash;    // of all its files
   std::string command_line;  // command_line()
-  std::string options;       // those that the image depends on
+  std::string options;       // longest path and definitions
 };
 
 // What was asked for at the price of accuracy, on the command line or by the scene's materials: "none", or names.

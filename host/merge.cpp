@@ -9,19 +9,6 @@
 namespace oclair {
 namespace {
 
-// What must agree for the arrays of two checkpoints to go together, in the terms of require_same.
-Identity with_film(const Checkpoint& checkpoint) {
-  const Film& film = checkpoint.film;
-  const WorldFilm& window = checkpoint.head.film;
-  Identity all = checkpoint.identity;
-  const auto size = [](uint x, uint y) { return std::to_string(x) + "x" + std::to_string(y); };
-  all.emplace_back("film size", size(window.width, window.height));
-  all.emplace_back("crop size", size(film.width, film.height));
-  all.emplace_back("crop offset", size(window.crop_x, window.crop_y));
-  all.emplace_back("film exponent", std::to_string(film.exponent));
-  return all;
-}
-
 std::optional<std::string> value_of(const Identity& identity, const std::string& name) {
   for (const auto& [entry, value] : identity)
     if (entry == name) return value;
@@ -59,6 +46,18 @@ void require_mergeable(const std::vector<Part>& parts) {
 }
 
 }  // namespace
+
+Identity with_film(const Checkpoint& checkpoint) {
+  const Film& film = checkpoint.film;
+  const WorldFilm& window = checkpoint.head.film;
+  Identity all = checkpoint.identity;
+  const auto size = [](uint x, uint y) { return std::to_string(x) + "x" + std::to_string(y); };
+  all.emplace_back("film size", size(window.width, window.height));
+  all.emplace_back("crop size", size(film.width, film.height));
+  all.emplace_back("crop offset", size(window.crop_x, window.crop_y));
+  all.emplace_back("film exponent", std::to_string(film.exponent));
+  return all;
+}
 
 void require_same(const Identity& expected, const Identity& found, const std::string& name) {
   std::string differences;

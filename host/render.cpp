@@ -157,11 +157,13 @@ void restore_film(Renderer& renderer, const Film& film) {
   const std::size_t count = pixel_count(renderer);
   const bool moments = renderer.moments() != nullptr;
   if (film.width != settings.crop_width || film.height != settings.crop_height || film.exponent != settings.film_exponent ||
-      film.pixels.size() != count || film.errors.size() != count || film.moments.size() != (moments ? count : 0) ||
-      film.replicas != film.samples / REPLICA_SAMPLES)
+      film.pixels.size() != count || film.moments.size() != (moments ? count : 0))
     throw Error(Exit::render_failed, "film: " + description(film.width, film.height, film.exponent, !film.moments.empty()) +
                                          ", expected " +
                                          description(settings.crop_width, settings.crop_height, settings.film_exponent, moments));
+  if (film.errors.size() != count || film.replicas != film.samples / REPLICA_SAMPLES)
+    throw Error(Exit::render_failed, "film: its errors are not those of one range of samples, expected " +
+                                         std::to_string(film.samples / REPLICA_SAMPLES) + " replicas");
   try {
     renderer.device->queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
     if (renderer.plan.bands > 1) renderer.on_host = film;

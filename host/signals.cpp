@@ -7,7 +7,7 @@
 namespace oclair {
 namespace {
 
-constexpr std::array<int, 3> caught = {SIGINT, SIGTERM, SIGUSR1};
+constexpr std::array<int, 4> caught = {SIGINT, SIGTERM, SIGUSR1, SIGPIPE};
 
 // All that a handler touches: it may run at any instruction of any thread.
 std::atomic<int> first_stop{0};
@@ -43,11 +43,11 @@ SignalHandlers::SignalHandlers() {
   write_wanted = false;
   for (std::size_t i = 0; i < caught.size(); ++i) {
     struct sigaction action {};
-    action.sa_handler = caught[i] == SIGUSR1 ? on_write : on_stop;
+    action.sa_handler = caught[i] == SIGPIPE ? SIG_IGN : caught[i] == SIGUSR1 ? on_write : on_stop;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     sigaction(caught[i], nullptr, &before_[i]);
-    if (caught[i] == SIGUSR1 || before_[i].sa_handler != SIG_IGN) sigaction(caught[i], &action, nullptr);
+    if (caught[i] == SIGUSR1 || caught[i] == SIGPIPE || before_[i].sa_handler != SIG_IGN) sigaction(caught[i], &action, nullptr);
   }
 }
 

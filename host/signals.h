@@ -1,6 +1,7 @@
 // Signals that a running render answers. The first SIGINT or SIGTERM asks it to stop at the next good place; a second one ends
 // the process at once, by the signal's default action: no file is broken by that, since each is written aside and renamed.
-// SIGUSR1 asks for the files now. System calls that a signal interrupts go on (SA_RESTART).
+// SIGUSR1 asks for the files now. SIGPIPE is ignored: who stops reading the progress does not end the render. System calls that a
+// signal interrupts go on (SA_RESTART).
 #pragma once
 
 #include <signal.h>
@@ -19,7 +20,7 @@ class SignalHandlers {
   ~SignalHandlers();
 
  private:
-  std::array<struct sigaction, 3> before_;
+  std::array<struct sigaction, 4> before_;
 };
 
 bool stop_requested();

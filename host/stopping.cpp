@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "film.h"
+
 namespace oclair {
 namespace {
 
@@ -44,6 +46,7 @@ void ErrorMonitor::add(const Film& film) {
     rebase(film);
     return;
   }
+  film_error_ = image_error(film);
   if (!pair_begun_) {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       const auto block = take_block(film, i);
@@ -176,6 +179,8 @@ std::string ErrorMonitor::why_not() const {
     if (black_ && samples_ > 0) return "the picture is black so far";
     return "the error is judged after " + std::to_string(2 * (needed - pairs_) * block_) + " more samples per pixel";
   }
+  if (film_error_ && !(*film_error_ <= target_))
+    return format("the error is estimated as %.3g from all samples, %.4g times the %.3g that was asked for", *film_error_, *film_error_ / target_, target_);
   const double now = *bound();
   if (!(now <= target_))
     return format("the error is below %.3g with %.4g %% confidence, %.3g was asked for", now, 100.0 * confidence_, target_);

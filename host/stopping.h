@@ -22,8 +22,6 @@ class ErrorMonitor {
   // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
   static constexpr std::uint64_t usual_block = REPLICA_SAMPLES;
 
-  static std::size_t bytes(std::size_t pixels) { return pixels * sizeof(Pixel); }  // of memory, from the first film on
-
   // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
   ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
 
@@ -56,6 +54,7 @@ class ErrorMonitor {
   double target_, confidence_;
   std::uint64_t block_;
   std::uint64_t samples_ = 0;  // of the last film that counted
+  std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
   bool pair_begun_ = false, black_ = true;
   std::vector<Pixel> pixels_;
 

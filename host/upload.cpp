@@ -62,11 +62,12 @@ FilmPlan plan_film(const Device& device, const Scene& scene, const std::vector<B
   const std::size_t width = scene.settings.crop_width, height = scene.settings.crop_height;
   const std::size_t moments = scene.features & FEATURE_MOMENTS ? sizeof(FilmMoments) : 0;
   const std::size_t scene_bytes = bytes_of(plan), all = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
-  const std::size_t room = std::min(most, all - std::min(all, scene_bytes));
+  const std::size_t taken = scene_bytes + all / 16;  // and what else there is: rays, layers, the driver's own
+  const std::size_t room = std::min(most, all - std::min(all, taken));
   const std::size_t largest = device.device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
   std::size_t rows = std::min(room / (width * (sizeof(FilmPixel) + moments + sizeof(FilmErrors))),
                               largest / (width * std::max({sizeof(FilmPixel), moments, sizeof(FilmErrors)})));
-  rows = std::min(height, std::max<std::size_t>(TILE_WIDTH, rows - rows % TILE_WIDTH));
+  rows = rows >= height ? height : std::max<std::size_t>(TILE_WIDTH, rows - rows % TILE_WIDTH);
   const std::size_t pixels = width * rows;
   return {static_cast<uint>(rows), static_cast<uint>((height + rows - 1) / rows), pixels * sizeof(FilmPixel), pixels * moments,
           pixels * sizeof(FilmErrors)};
@@ -88,9 +89,9 @@ void check_memory(const Device& device, const std::vector<BufferPlan>& plan, con
   const std::size_t band = film.film + film.moments + film.errors;
   check("the scene with its film", bytes_of(plan) + band, all_allowed);
   const std::size_t whole = band * film.bands;
-  if (film.bands > 1 && whole > host_memory())
-    throw Error(Exit::device, "memory: the film takes " + mib(whole) + ", expected at most the " + mib(host_memory()) +
-                                  " that there are; render it in parts, with crop windows or a smaller --size");
+  if (film.bands > 1 && 2 * whole > host_memory())
+    throw Error(Exit::device, "memory: the film and the copy that is written take " + mib(2 * whole) + ", expected at most the " +
+                                  mib(host_memory()) + " that there are; render it in parts, with crop windows or a smaller --size");
 }
 
 std::vector<cl::Buffer> upload(const Device& device, const std::vector<BufferPlan>& plan) {

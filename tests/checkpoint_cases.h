@@ -56,6 +56,7 @@ inline Checkpoint random_checkpoint(std::vector<SampleRange> ranges, std::uint64
   checkpoint.head.film = {5, 7, 2, 4, 3, 2, FilterKind::tent, 1.25, 0.3, true, PixelFormat::xyza};
   checkpoint.head.moment_name = "m";
   checkpoint.head.attributes = {{"software", "oclair"}};
+  checkpoint.kept = true;
   checkpoint.layers = {{"albedo.R", {0.0f, 1.0f, -0.0f, 1e-45f, 3.4e38f, 0.5f}}};
   return checkpoint;
 }
@@ -106,6 +107,7 @@ inline void expect_same(const Checkpoint& a, const Checkpoint& b) {
   EXPECT_EQ(a.ranges, b.ranges);
   expect_same_film(a.film, b.film);
   expect_same_head(a.head, b.head);
+  EXPECT_EQ(a.kept, b.kept);
   expect_same_layers(a.layers, b.layers);
 }
 

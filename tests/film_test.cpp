@@ -437,6 +437,37 @@ TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) 
   EXPECT_LE((*pixel_standard_error(read, 0))[0], largest * std::sqrt(4 * 0x1p-63 / static_cast<double>(replicas)));
 }
 
+// Four pixels of means m = (1, 2, 2) k and, by two replicas that differ by 2 d from each other, standard errors d / R, for k = 0 to 3: by hand,
+// |m|^2 = 9 k^2, the mean of the image is (1.5, 3, 3) with the square 20.25.
+TEST(film_test, error_of_the_image_is_the_root_mean_of_relative_squares) {
+  const int exponent = 0;
+  Film film{4, 1, exponent, 2 * REPLICA_SAMPLES, std::vector<FilmPixel>(4), {}, std::vector<FilmErrors>(4), 2};
+  const double d[4] = {0.5, 0.25, 1.0, 0.0};
+  double expected = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const double sum = REPLICA_SAMPLES * k * (c == 0 ? 1.0 : 2.0);  // of a replica; the two are sum + d and sum - d, d at most sum but for k = 0
+      const double low = std::max(0.0, sum - d[k]), high = 2.0 * sum - low;
+      film.pixels[k].sum[c][0] = film.errors[k].sum[c][0] = static_cast<ulong>(std::ldexp(low + high, FILM_FRACTION_BITS - 10)) << 10;
+      film.pixels[k].sum[c][1] = film.errors[k].sum[c][1] = static_cast<ulong>(std::ldexp(low + high, FILM_FRACTION_BITS - 64));
+      const double squares = std::ldexp(low * low + high * high, 2 * FILM_SQUARE_FRACTION_BITS);
+      film.errors[k].square[c][1] = static_cast<ulong>(std::ldexp(squares, -64));
+      film.errors[k].square[c][0] = static_cast<ulong>(squares - std::ldexp(std::floor(std::ldexp(squares, -64)), 64));
+    }
+    const double error = k == 0 ? 0.0 : d[k] / REPLICA_SAMPLES;  // a black pixel cannot spread
+    expected += 3.0 * error * error / (9.0 * k * k + 0.01 * 20.25) / 4.0;
+  }
+  ASSERT_TRUE(image_error(film));
+  // Sums and squares are multiples of 2^-4 here, exact in double and in the film; long double rounds a few times.
+  EXPECT_NEAR(*image_error(film), std::sqrt(expected), 1e-12);
+  Film dead = film;
+  dead.pixels[2].rejected = dead.samples;
+  EXPECT_FALSE(image_error(dead));
+  film.replicas = 1;
+  EXPECT_FALSE(image_error(film));
+  EXPECT_FALSE(image_error(Film{1, 1, exponent, 2 * REPLICA_SAMPLES, {FilmPixel{}}, {}, {FilmErrors{}}, 2}));
+}
+
 // Against the sample variance of the replicas' means, in two passes; rejected samples are not among those of the mean.
 TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
   Random random(8);

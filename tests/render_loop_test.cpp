@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "program.h"
 #include "temporary_directory.h"
@@ -116,8 +117,52 @@ TEST_F(render_loop_test, a_resumed_render_is_the_uninterrupted_one_bit_for_bit) 
       expect_exit(0, render(image("part"), with({"--spp", "40", "--png", "--resume"})));
       EXPECT_EQ(bytes_of(image("whole")), bytes_of(image("part"))) << sampler << " " << first;
       EXPECT_EQ(bytes_of(directory / "whole.png"), bytes_of(directory / "part.png"));
-      EXPECT_FALSE(fs::exists(checkpoint("part")));  // done, and nobody has asked for it
+      EXPECT_TRUE(fs::exists(checkpoint("part")));    // somebody has asked for it
+      EXPECT_FALSE(fs::exists(checkpoint("whole")));  // nobody has
     }
+}
+
+TEST_F(render_loop_test, no_file_is_overwritten_that_is_something_else) {
+  expect_exit(0, render(image("a"), {"--samples", "0:16"}));
+  expect_exit(0, render(image("b"), {"--samples", "16:16"}));
+  const fs::path own_scene = directory / "scene.xml";
+  fs::copy_file(scene, own_scene);
+  const std::string a = checkpoint("a").string(), b = checkpoint("b").string(), c = image("c").string(), before = bytes_of(a);
+  const std::vector<std::pair<Arguments, std::string>> wrong = {
+      {{"merge", b, "-o", c, "--checkpoint", a}, "expected a name that is not there yet, or one of the parts"},
+      {{"merge", a, b, "-o", c, "--checkpoint", c}, "expected a file of its own"},
+      {{"merge", a, b, "-o", c, "--checkpoint", ""}, "expected a name"},
+      {{"render", scene, "--spp", "1", "--size", "8x8", "-o", c, "--checkpoint", c}, "expected a file of its own"},
+      {{"render", own_scene, "--spp", "1", "--size", "8x8", "-o", c, "--checkpoint", own_scene, "--restart"}, "expected a file of its own"},
+      {{"render", scene, "--spp", "1", "--size", "8x8", "-o", c, "--checkpoint", own_scene, "--restart"}, "is not a checkpoint"},
+      {{"render", scene, "--spp", "1", "--size", "8x8", "-o", directory / "c.png", "--aov", "depth"}, "a PNG has no layers"},
+  };
+  for (const auto& [arguments, message] : wrong) {
+    const ProgramResult result = run_oclair(arguments);
+    EXPECT_TRUE(result.exit == 1 || result.exit == 2) << message << result.err;
+    EXPECT_NE(result.err.find(message), std::string::npos) << message << ":\n" << result.err;
+    EXPECT_FALSE(fs::exists(c)) << message;
+  }
+  EXPECT_TRUE(bytes_of(a) == before);
+  EXPECT_TRUE(bytes_of(own_scene) == bytes_of(scene));
+  expect_exit(0, {"merge", a, b, "-o", c, "--checkpoint", a});  // one of the parts
+}
+
+// The image cannot be written at the end: what has been rendered is in the checkpoint.
+TEST_F(render_loop_test, a_film_outlives_an_image_that_cannot_be_written) {
+  const Arguments slow = render(image("a"), {"--time", "2", "--progress", "json", "--size", "64x64"});
+  std::thread obstacle([&] {
+    usleep(1200000);
+    fs::remove(image("a"));
+    fs::create_directories(image("a") / "full");
+  });
+  const ProgramResult result = run_oclair(slow);
+  obstacle.join();
+  EXPECT_EQ(result.exit, 1) << result.err;
+  ASSERT_TRUE(fs::exists(checkpoint("a")));
+  fs::remove_all(image("a"));
+  expect_exit(0, render(image("a"), {"--time", "1", "--resume", "--size", "64x64"}));
+  EXPECT_TRUE(fs::exists(image("a")));
 }
 
 TEST_F(render_loop_test, parts_merge_to_the_whole_render_bit_for_bit_in_any_order) {

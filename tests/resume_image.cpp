@@ -197,6 +197,7 @@ TEST_F(resume_image, parts_by_separate_processes_are_merged_to_the_bits_of_a_sin
     ASSERT_EQ(std::system(("(" + parts + " && " + merging + ") >/dev/null 2>&1").c_str()), 0) << parts << "\n" << merging;
     ASSERT_EQ(run_oclair(render("whole", {"--spp", "128", "--sampler", sampler, "--restart"})).exit, 0);
     expect_same_files("merged", "whole");
+    EXPECT_TRUE(fs::remove(checkpoint_of("merged")));
     for (int k = 0; k < 4; ++k)
       for (const char* ending : {".exr", ".checkpoint"})
         EXPECT_TRUE(fs::remove(directory / ("part-" + std::to_string(k) + ending)));

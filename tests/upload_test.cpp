@@ -1,5 +1,6 @@
 // What is refused before it is allocated.
 #include "../host/error.h"
+#include "../host/render.h"
 #include "../host/upload.h"
 #include "kernel.h"
 
@@ -41,7 +42,7 @@ TEST(upload_test, all_buffers_together_have_the_devices_memory) {
 }
 
 TEST(upload_test, a_film_in_bands_that_exceeds_the_hosts_memory_is_refused) {
-  EXPECT_EQ(refusal({}, 1 << 20, 0, 0, 1u << 31).find("memory: the film takes 2147483648 MiB, expected at most the "), 0u);
+  EXPECT_EQ(refusal({}, 1 << 20, 0, 0, 1u << 31).find("memory: the film and the copy that is written take 4294967296 MiB, expected at most the "), 0u);
   EXPECT_EQ(refusal({}, 1 << 20, 0, 0, 2), "");
 }
 
@@ -57,6 +58,9 @@ TEST(upload_test, a_film_has_as_few_bands_of_whole_tile_rows_as_fit) {
   EXPECT_EQ(planned(18399999).bands, 2u);
   EXPECT_EQ(planned(18400 * 333).rows, 328u);
   EXPECT_EQ(planned(18400 * 333).bands, 4u);
+  scene.settings.crop_height = 1001;
+  EXPECT_EQ(planned(18400 * 1001).bands, 1u);
+  scene.settings.crop_height = 1000;
   EXPECT_EQ(planned(1).rows, 8u);  // a row of tiles, whatever it takes
   EXPECT_EQ(planned(18400 * 333).film, 328u * 100 * 64);
   EXPECT_EQ(planned(18400 * 333).errors, 328u * 100 * 120);
@@ -71,6 +75,21 @@ TEST(upload_test, the_scene_goes_before_the_film) {
   Scene scene;
   scene.settings.crop_width = 100;
   scene.settings.crop_height = 1000;
-  const std::vector<BufferPlan> plan = {{"nodes", nullptr, all_memory() - 18400 * 20}};
+  const std::vector<BufferPlan> plan = {{"nodes", nullptr, all_memory() - all_memory() / 16 - 18400 * 20}};
   EXPECT_EQ(plan_film(device(), scene, plan).rows, 16u);
+}
+
+// 46 GiB of film, in whatever bands this device takes; the largest film that random streams can number has items that 32 bits can.
+TEST(upload_test, a_film_of_16384_squared_is_planned_within_the_devices_limits) {
+  Scene scene;
+  scene.settings.crop_width = scene.settings.crop_height = 16384;
+  const FilmPlan plan = plan_film(device(), scene, {});
+  EXPECT_GE(std::uint64_t{plan.rows} * plan.bands, 16384u);
+  EXPECT_LE(plan.film, largest_buffer());
+  EXPECT_LE(plan.errors, largest_buffer());
+  EXPECT_LE(plan.film + plan.errors, all_memory());
+  EXPECT_EQ(plan_film(device(), scene, {}, 1 << 30).rows, 352u);  // 2^30 / (184 * 16384) = 356.2
+  scene.settings.crop_width = 65536;
+  scene.settings.crop_height = 32768;
+  EXPECT_LE(padded_pixels(scene.settings), std::size_t{1} << 31);
 }

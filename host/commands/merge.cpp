@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -31,8 +32,19 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   return sum;
 }
 
+// A pattern may have put a part where the result is to go.
+void refuse_to_replace(const fs::path& checkpoint, const std::vector<std::string>& parts) {
+  std::error_code ignored;
+  const bool is_part = std::any_of(parts.begin(), parts.end(),
+                                   [&](const std::string& part) { return fs::equivalent(part, checkpoint, ignored); });
+  if (checkpoint.empty() || (fs::is_regular_file(checkpoint) && !is_part))
+    throw Error(Exit::usage, "--checkpoint '" + checkpoint.string() + "': expected a name that is not there yet, or one of the parts");
+}
+
 Exit merge_files(const MergeOptions& options) {
   reproducible_date();  // wrong ones are refused now
+  require_distinct(options.images, options.checkpoint, {});
+  if (options.checkpoint) refuse_to_replace(*options.checkpoint, options.parts);
   require_writable(options.images);
   std::unique_ptr<CheckpointLock> lock;
   if (options.checkpoint) {
@@ -41,10 +53,11 @@ Exit merge_files(const MergeOptions& options) {
   }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   progress.begin("read");
-  const Checkpoint sum = merged(options.parts);
+  Checkpoint sum = merged(options.parts);
+  sum.kept = true;
   progress.begin("write");
-  if (options.checkpoint) write_checkpoint(*options.checkpoint, sum);
-  write_images(options.images, sum, {});
+  attempt_all({[&] { write_images(options.images, sum, {}); },
+               [&] { if (options.checkpoint) write_checkpoint(*options.checkpoint, sum); }});
   progress.end();
   if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
   if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";

@@ -1,7 +1,10 @@
 #include "output.h"
 
+#include <algorithm>
+#include <exception>
 #include <iostream>
 
+#include "../error.h"
 #include "../film.h"
 
 namespace oclair {
@@ -11,26 +14,62 @@ void require_writable(const ImageFiles& files) {
   if (files.png) require_writable(*files.png);
 }
 
-void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const RunFigures& run) {
+void require_distinct(const ImageFiles& files, const std::optional<std::filesystem::path>& checkpoint,
+                      const std::vector<std::filesystem::path>& inputs) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(path, ignored);
+  };
+  std::vector<std::filesystem::path> taken;
+  for (const auto& input : inputs) taken.push_back(canonical(input));
+  for (const auto& file : {files.exr, files.png, checkpoint}) {
+    if (!file) continue;
+    if (std::find(taken.begin(), taken.end(), canonical(*file)) != taken.end())
+      throw Error(Exit::usage, file->string() + ": is another output or an input of this command as well, expected a file of its own");
+    taken.push_back(canonical(*file));
+  }
+}
+
+void attempt_all(const std::vector<std::function<void()>>& attempts) {
+  std::exception_ptr failure;
+  for (const auto& attempt : attempts) {
+    try {
+      attempt();
+    } catch (const std::exception&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+namespace {
+
+void write_exr_image(const std::filesystem::path& path, const Checkpoint& checkpoint, const RunFigures& run) {
   const Film& film = checkpoint.film;
-  if (files.exr) {
-    const WorldFilm& window = checkpoint.head.film;
-    Figures figures;
-    figures.ranges = checkpoint.ranges;
-    figures.rejected = rejected_samples(film);
-    figures.rays = film.rays;
-    figures.estimated_error = image_error(film);
-    figures.stopped = run.stopped;
-    figures.seconds = run.seconds;
-    write_exr(*files.exr, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
-              parts_of(film, window.pixel_format, checkpoint.head.moment_name, checkpoint.layers),
-              header_attributes(checkpoint.head.attributes, figures, reproducible_date()));
-  }
-  if (files.png) {
-    const std::vector<float> rgb = rgb_of(film);
-    const std::span<const float> values(rgb);
-    write_png(*files.png, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-  }
+  const WorldFilm& window = checkpoint.head.film;
+  Figures figures;
+  figures.ranges = checkpoint.ranges;
+  figures.rejected = rejected_samples(film);
+  figures.rays = film.rays;
+  figures.estimated_error = image_error(film);
+  figures.stopped = run.stopped;
+  figures.seconds = run.seconds;
+  write_exr(path, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
+            parts_of(film, window.pixel_format, checkpoint.head.moment_name, checkpoint.layers),
+            header_attributes(checkpoint.head.attributes, figures, reproducible_date()));
+}
+
+void write_png_image(const std::filesystem::path& path, const Film& film) {
+  const std::vector<float> rgb = rgb_of(film);
+  const std::span<const float> values(rgb);
+  write_png(path, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
+}
+
+}  // namespace
+
+void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const RunFigures& run) {
+  attempt_all({[&] { if (files.exr) write_exr_image(*files.exr, checkpoint, run); },
+               [&] { if (files.png) write_png_image(*files.png, checkpoint.film); }});
 }
 
 void print_files(const ImageFiles& files) {

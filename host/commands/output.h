@@ -1,7 +1,9 @@
 // The images of a render, from a film with what its header says: for render and for merge.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "../checkpoint.h"
 #include "../header.h"
@@ -18,8 +20,15 @@ struct RunFigures {
   std::vector<std::pair<std::string, double>> seconds;  // of each phase
 };
 
+// Throws Error(Exit::usage) if two of them, or one and the checkpoint, are one file, or one is among `inputs`.
+void require_distinct(const ImageFiles& files, const std::optional<std::filesystem::path>& checkpoint,
+                      const std::vector<std::filesystem::path>& inputs);
+
 // Throws if one of them could not be written now.
 void require_writable(const ImageFiles& files);
+
+// Each is tried whatever becomes of the others; then the first failure is thrown.
+void attempt_all(const std::vector<std::function<void()>>& attempts);
 
 // Each is replaced as a whole. Throws Error(Exit::render_failed).
 void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const RunFigures& run);

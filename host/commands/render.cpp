@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <iostream>
+#include <system_error>
 
 #include "../checkpoint_lock.h"
 #include "../scene_hash.h"
@@ -69,20 +70,20 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"approximations", approximation_names(scene)}};
 }
 
-// Where an earlier run of the same render ended.
-void resume(const fs::path& path, const SampleRange& wanted, const Checkpoint& state, Renderer& renderer) {
-  const Checkpoint earlier = read_checkpoint(path);
-  require_same(state.identity, earlier.identity, path.string());
+// Throws unless the checkpoint is one of this render; whether it is to be kept at the end.
+bool require_resumable(const fs::path& path, const SampleRange& wanted, const Checkpoint& state) {
+  const Checkpoint earlier = read_checkpoint_head(path);
+  require_same(with_film(state), with_film(earlier), path.string());
   const SampleRange& range = earlier.ranges.front();
   if (earlier.ranges.size() > 1)
-    throw Error(Exit::usage, path.string() + ": has been merged from several ranges of samples, expected one range");
+    throw Error(Exit::render_failed, path.string() + ": has been merged from several ranges of samples, expected one range");
   if (range.first != wanted.first)
-    throw Error(Exit::usage, path.string() + ": its samples begin at " + std::to_string(range.first) + ", expected " +
+    throw Error(Exit::render_failed, path.string() + ": its samples begin at " + std::to_string(range.first) + ", expected " +
                                  std::to_string(wanted.first));
   if (range.count > wanted.count)
-    throw Error(Exit::usage, path.string() + ": holds " + std::to_string(range.count) + " samples per pixel, expected at most the " +
+    throw Error(Exit::render_failed, path.string() + ": holds " + std::to_string(range.count) + " samples per pixel, expected at most the " +
                                  std::to_string(wanted.count) + " that are wanted");
-  restore_film(renderer, earlier.film);
+  return earlier.kept;
 }
 
 // What was asked for has been reached: the error, or else the samples, or else the time.
@@ -93,17 +94,25 @@ bool reached(const RenderOptions& options, Stop stop) {
   return true;
 }
 
-// Each is tried whatever becomes of the other: what one of them saves need not be rendered again.
-void write_at_the_end(const std::function<void()>& write_images, const std::function<void()>& write_checkpoint) {
-  std::exception_ptr failure;
-  for (const auto* write : {&write_checkpoint, &write_images}) {
-    try {
-      (*write)();
-    } catch (const Error&) {
-      if (!failure) failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
+// What stands in the way of the checkpoint, before the long work.
+void require_free(const RenderOptions& options) {
+  if (!fs::exists(options.checkpoint)) return;
+  if (!options.resume && !options.restart)
+    throw Error(Exit::usage, options.checkpoint.string() +
+                                 ": is there from an earlier render, expected --resume to go on with it or --restart to drop it");
+  if (!begins_like_checkpoint(options.checkpoint))
+    throw Error(Exit::render_failed, options.checkpoint.string() + ": is not a checkpoint, expected one or no file");
+}
+
+void remove_checkpoint(const fs::path& path) {
+  std::error_code ignored;  // what is left of it does no harm
+  if (fs::is_regular_file(path, ignored)) fs::remove(fs::weakly_canonical(path, ignored), ignored);
+}
+
+std::string options_text(const RenderOptions& options, const Scene& scene) {
+  std::string text = "maxDepth=" + std::to_string(scene.settings.max_depth);
+  for (const auto& [name, value] : options.definitions) text += " -D" + name + "=" + value;
+  return text;
 }
 
 }  // namespace
@@ -112,22 +121,30 @@ Exit render(const RenderOptions& options) {
   const double started = steady_seconds();
   const SignalHandlers handlers;
   reproducible_date();  // wrong ones are refused now
+  require_distinct(options.images, options.checkpoint, {options.scene});
   require_writable(options.images);
   const CheckpointLock lock(options.checkpoint);
+  require_free(options);
   const bool resumes = options.resume && fs::exists(options.checkpoint);
-  if (!options.resume && !options.restart && fs::exists(options.checkpoint))
-    throw Error(Exit::usage, options.checkpoint.string() +
-                                 ": is there from an earlier render, expected --resume to go on with it or --restart to drop it");
   require_writable(options.checkpoint);
   const Device device = open_device(options.device);
   Progress progress =
       options.progress_json ? Progress::json(std::cerr) : Progress(std::cerr, isatty(STDERR_FILENO) != 0);
   Phases phases(progress);
+  const auto heed_signals = [&] {  // before there is anything to write
+    if (!stop_requested()) return;
+    progress.finish("signal", static_cast<int>(Exit::stopped));
+    throw Error(Exit::stopped, "stopped by a signal before the first sample: nothing is written");
+  };
 
   const ReadOptions reading{options.size, [&](const char* phase) { phases.begin(phase); }};
   World world = read_scene(options.scene, options.definitions, reading);
   phases.end();
   for (const std::string& warning : world.warnings) progress.warning(warning);
+  heed_signals();
+  std::vector<fs::path> inputs;
+  for (const SceneFile& file : world.files) inputs.push_back(file.path);
+  require_distinct(options.images, options.checkpoint, inputs);
   apply(options, world);
   const SampleRange wanted = wanted_samples(options, world.samples_per_pixel);
   const std::string hash = scene_hash(world, options.definitions);
@@ -142,11 +159,17 @@ Exit render(const RenderOptions& options) {
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
   scene.exact_kernel = options.exact_kernel;
   state.identity = identity_of(scene, hash);
-  state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), "maxDepth=" + std::to_string(scene.settings.max_depth)}, scene, device);
+  state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), options_text(options, scene)}, scene, device);
+  state.film.width = scene.settings.crop_width;
+  state.film.height = scene.settings.crop_height;
+  state.film.exponent = scene.settings.film_exponent;
+  state.kept = options.keep_checkpoint;
+  if (resumes && require_resumable(options.checkpoint, wanted, state)) state.kept = true;
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   scene.positions = {};
   scene.triangles = {};
 
+  heed_signals();
   phases.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh, options.film_memory);
   renderer.first_sample = wanted.first;
@@ -154,7 +177,8 @@ Exit render(const RenderOptions& options) {
     phases.begin("layers");
     state.layers = render_aovs(renderer, scene, bvh, options.aovs);
   }
-  if (resumes) resume(options.checkpoint, wanted, state, renderer);
+  if (resumes) restore_film(renderer, read_checkpoint(options.checkpoint).film);
+  if (options.restart) remove_checkpoint(options.checkpoint);
 
   phases.begin("passes", renderer.samples * scene.settings.crop_width * scene.settings.crop_height);
   std::optional<TevClient> viewer;
@@ -176,17 +200,23 @@ Exit render(const RenderOptions& options) {
   way.viewer = viewer ? &*viewer : nullptr;
   const Limits limits{wanted.count, options.seconds, options.error, options.confidence};
   const Stop stop = render_until(limits, renderer, state, way, progress, started);
-  if (renderer.samples == 0)
-    throw Error(Exit::stopped, "stopped by a signal before the first sample: nothing is written");
+  if (renderer.samples == 0) heed_signals();
 
   phases.begin("write");
   take_film(renderer, state);
   const bool done = reached(options, stop);
-  // One that nobody asked for has served when the image is there.
-  const bool keeps = options.keep_checkpoint || !done;
-  write_at_the_end([&] { write_images(options.images, state, {std::string(name_of(stop)), phases.seconds()}); },
-                   [&] { if (keeps) way.write_checkpoint(state); });
-  if (!keeps && fs::is_regular_file(options.checkpoint)) fs::remove(options.checkpoint);
+  // A checkpoint that nobody asked for has served when the image is there.
+  bool keeps = state.kept || !done;
+  attempt_all({[&] {
+                 try {
+                   write_images(options.images, state, {std::string(name_of(stop)), phases.seconds()});
+                 } catch (const std::exception&) {
+                   keeps = true;  // what has been rendered is not lost: --resume writes the image
+                   throw;
+                 }
+               },
+               [&] { if (keeps) way.write_checkpoint(state); }});
+  if (!keeps) remove_checkpoint(options.checkpoint);
   phases.end();
   if (const std::string warning = film_warning(state.film); !warning.empty()) progress.warning(warning);
   tell_files();

@@ -45,6 +45,8 @@ void choose_checkpoint(RenderOptions& options) {
 void refuse_contradictions(const RenderOptions& options) {
   if (options.samples && options.samples_per_pixel)
     throw Error(Exit::usage, "--samples and --spp: expected one of them, both say how many samples there are");
+  if (options.aovs.any() && !options.images.exr)
+    throw Error(Exit::usage, "--aov: expected an image in .exr, a PNG has no layers");
   if (options.resume && options.restart)
     throw Error(Exit::usage, "--resume and --restart: expected one of them");
 }

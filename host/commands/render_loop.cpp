@@ -32,15 +32,18 @@ class Loop {
 
   Stop run() {
     const Stop stop = run_until_stopped();
+    show();
     if (monitor_ && stop != Stop::error) progress_.warning("the error is not certified to be below its limit: " + monitor_->why_not());
     return stop;
   }
 
  private:
   Stop run_until_stopped() {
-    while (!stop_requested()) {
+    for (;;) {
+      if (renderer_.samples >= limits_.samples) return Stop::samples;
+      if (stop_requested()) return Stop::signal;
       const unsigned samples = schedule_.next_pass(renderer_.samples);
-      if (samples == 0) return renderer_.samples >= limits_.samples ? Stop::samples : Stop::time;
+      if (samples == 0) return Stop::time;
       pass(samples);
       if (monitor_ && renderer_.samples % REPLICA_SAMPLES == 0) {
         monitor_->add(film());
@@ -48,7 +51,6 @@ class Loop {
       }
       write_what_is_due();
     }
-    return Stop::signal;
   }
 
   const Film& film() {
@@ -89,28 +91,32 @@ class Loop {
 
   void write_what_is_due() {
     const bool asked = take_write_request();
-    if (way_.write_picture && (asked || schedule_.picture_due())) {
+    const bool due = schedule_.picture_due();
+    if (way_.write_picture && (asked || due)) {
       const double begun = steady_seconds();
       attempt(way_.write_picture);
-      schedule_.picture_written(steady_seconds() - begun);
+      if (due) schedule_.picture_written(steady_seconds() - begun);
     }
     if (way_.write_checkpoint && (asked || schedule_.checkpoint_due())) {
       const double begun = steady_seconds();
       attempt(way_.write_checkpoint);
       schedule_.checkpoint_written(steady_seconds() - begun);
     }
-    if (way_.viewer && way_.viewer->connected() && steady_seconds() - viewed_ >= viewer_interval) {
-      way_.viewer->show("oclair", film().width, film().height, rgb_of(film()));
-      warn_of_viewer();
-      viewed_ = steady_seconds();
-    }
+    if (steady_seconds() - viewed_ >= viewer_interval) show();
+  }
+
+  void show() {
+    if (!way_.viewer || !way_.viewer->connected()) return;
+    way_.viewer->show("oclair", film().width, film().height, rgb_of(film()));
+    warn_of_viewer();
+    viewed_ = steady_seconds();
   }
 
   void attempt(const std::function<void(const Checkpoint&)>& write) {
     film();
     try {
       write(state_);
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {  // memory that is not there is no reason to lose the film
       progress_.warning(error.what());
     }
   }
@@ -136,6 +142,7 @@ std::string_view name_of(Stop stop) {
 }
 
 void take_film(const Renderer& renderer, Checkpoint& state) {
+  state.film = {};  // makes room
   state.film = read_film(renderer);
   state.ranges = {{renderer.first_sample, renderer.samples}};
 }

@@ -216,7 +216,7 @@ typedef struct Settings {
 #define REPLICA_BITS 4                // docs/decisions/sampler.md: why so many
 #define REPLICA_SAMPLES (1 << REPLICA_BITS)
 
-// Exact sums: 128-bit two's complement integers, least significant limb first. Integer addition is associative, so the film
+// Exact sums: unsigned 128-bit integers, least significant limb first. Integer addition is associative, so the film
 // depends only on the set of samples, not on their order. See docs/decisions/.
 typedef struct FilmPixel {
   ulong sum[3][2];  // r, g, b

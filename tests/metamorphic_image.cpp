@@ -208,6 +208,24 @@ TEST(metamorphic_image, film_that_is_read_and_put_back_goes_on_as_if_nothing_had
   }
 }
 
+// 1000 columns and 150 rows at an odd offset of a larger film: bands of 80 rows are two launches each.
+TEST(metamorphic_image, film_in_bands_of_several_launches_is_the_film_in_one) {
+  World world = zoo();
+  world.film.width = 1024, world.film.height = 200;
+  world.film.crop_x = 3, world.film.crop_y = 5, world.film.crop_width = 1000, world.film.crop_height = 150;
+  world.integrator.moments = false;
+  const Scene scene = place_scene(world);
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  const auto rendered = [&](std::size_t most_film, uint bands) {
+    Renderer renderer = start_render(device(), scene, bvh, most_film);
+    EXPECT_EQ(renderer.plan.bands, bands);
+    render_pass(renderer, 1);
+    return read_film(renderer);
+  };
+  static_assert(80 * 1000 > max_launch);
+  EXPECT_EQ(different_pixels(rendered(1 << 30, 1), rendered(std::size_t{184} * 1000 * 80, 2)), 0u);
+}
+
 // 45x37 pixels with moments: 14 760 bytes a row.
 TEST(metamorphic_image, film_in_bands_is_the_film_in_one) {
   const Scene scene = place_scene(zoo());

@@ -16,7 +16,7 @@ __kernel void key(uint count, __global const ulong *seed, __global const uint *p
   if (i < count) result[i] = rng_key(seed[i], pixel[i], sample[i]);
 }
 
-// The numbers of one dimension in each of the three forms.
+// The numbers of one dimension in both forms.
 __kernel void draw(uint count, __global const ulong *keys, __global const uint *dimension, __global ulong *bits,
                    __global float2 *point) {
   size_t i = get_global_id(0);

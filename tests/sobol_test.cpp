@@ -87,6 +87,25 @@ TEST(sobol_test, trees_are_all_of_owens_permutations_once_each) {
   EXPECT_EQ(permutations.size(), trees);
 }
 
+// All digits under all trees, by the definition: the digit at each level is flipped by the bit of the node that the digits before it lead to.
+TEST(sobol_test, order_is_owens_scrambling_read_backwards) {
+  const cl_uint trees = static_cast<cl_uint>(count_or_small(std::size_t{1} << n, 64));
+  std::vector<cl_uint> digits, tree, expected;
+  for (cl_uint t = 0; t < trees; ++t)
+    for (cl_uint d = 0; d < n; ++d) {
+      cl_uint node = 1, reversed = 0;
+      for (int level = 0; level < m; ++level) {
+        const cl_uint digit = d >> (m - 1 - level) & 1;
+        reversed += (digit ^ (t >> node & 1)) << level;
+        node = 2 * node + digit;
+      }
+      digits.push_back(d), tree.push_back(t), expected.push_back(reversed);
+    }
+  std::vector<cl_uint> result(digits.size());
+  run("sobol_test.cl", "scramble_and_reverse", digits.size(), digits, tree, out(result));
+  EXPECT_TRUE(result == expected);
+}
+
 // 16 bits each. The order's changes no point of the net, a coordinate's not the other coordinate.
 TEST(sobol_test, order_and_coordinates_have_trees_of_their_own) {
   const cl_ulong word = 0x123456789abcu;

@@ -174,4 +174,6 @@ TEST(stopping_statistics, rare_bright_samples_are_not_certified_wrongly_more_oft
 TEST(stopping_statistics, a_heavy_tail_is_refused_or_judged_late) {
   const Outcome outcome = coverage(lognormal, 16, 0.3, 60, 0.0, 8000);
   EXPECT_LT(outcome.missed, tolerated(outcome.runs));
+  EXPECT_LT(outcome.certified, outcome.runs);
+  EXPECT_GT(outcome.samples, 2.0 * outcome.needed);
 }

@@ -41,12 +41,16 @@ SignalHandlers::SignalHandlers() {
   first_stop = 0;
   first_stop_time = 0;
   write_wanted = false;
+  for (std::size_t i = 0; i < caught.size(); ++i) sigaction(caught[i], nullptr, &before_[i]);
+  take_back();
+}
+
+void SignalHandlers::take_back() const {
   for (std::size_t i = 0; i < caught.size(); ++i) {
     struct sigaction action {};
     action.sa_handler = caught[i] == SIGPIPE ? SIG_IGN : caught[i] == SIGUSR1 ? on_write : on_stop;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
-    sigaction(caught[i], nullptr, &before_[i]);
     if (caught[i] == SIGUSR1 || caught[i] == SIGPIPE || before_[i].sa_handler != SIG_IGN) sigaction(caught[i], &action, nullptr);
   }
 }

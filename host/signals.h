@@ -19,6 +19,9 @@ class SignalHandlers {
   SignalHandlers& operator=(const SignalHandlers&) = delete;
   ~SignalHandlers();
 
+  // Catches the signals again: LLVM, in a driver that compiles, installs handlers of its own for them.
+  void take_back() const;
+
  private:
   std::array<struct sigaction, 4> before_;
 };

@@ -1,6 +1,9 @@
 // Renders that are stopped, resumed, limited and cut into parts, by the program itself.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -61,15 +64,15 @@ class render_loop_test : public testing::Test {
   TemporaryDirectory directory;
 };
 
-// The program runs, gets the signal when it has said that its passes began, and ends.
-int exit_after_signal(const Arguments& arguments, int signal, std::string& err) {
+// The program runs, and gets each signal once it has said, since the one before, what belongs to it; how it ends.
+int exit_after_signals(const Arguments& arguments, const std::vector<std::pair<std::string, int>>& signals, std::string& err) {
   int pipe_ends[2];
   EXPECT_EQ(pipe(pipe_ends), 0);
   const pid_t child = fork();
   if (child == 0) {
     dup2(pipe_ends[1], STDERR_FILENO);
     close(pipe_ends[0]), close(pipe_ends[1]);
-    ::signal(signal, SIG_DFL);
+    for (const int stop : {SIGINT, SIGTERM}) ::signal(stop, SIG_DFL);
     std::vector<char*> words{const_cast<char*>("oclair")};
     for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
     words.push_back(nullptr);
@@ -77,16 +80,18 @@ int exit_after_signal(const Arguments& arguments, int signal, std::string& err) 
     _exit(127);
   }
   close(pipe_ends[1]);
-  bool sent = false;
+  std::size_t sent = 0, heard = 0;
   char buffer[4096];
   for (ssize_t count; (count = read(pipe_ends[0], buffer, sizeof buffer)) > 0;) {
     err.append(buffer, static_cast<std::size_t>(count));
-    if (!sent && err.find("\"event\":\"samples\"") != std::string::npos) sent = kill(child, signal) == 0;
+    if (sent == signals.size() || err.find(signals[sent].first, heard) == std::string::npos) continue;
+    heard = err.size();
+    EXPECT_EQ(kill(child, signals[sent++].second), 0);
   }
   close(pipe_ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  EXPECT_TRUE(sent) << err;
+  EXPECT_EQ(sent, signals.size()) << err;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -97,7 +102,7 @@ TEST_F(render_loop_test, a_signal_ends_the_pass_writes_everything_and_exits_5) {
     std::string err;
     const Arguments endless =
         render(image("a"), {"--png", "--spp", "1000000000", "--progress", "json", "--restart", "--size", "64x64"});
-    EXPECT_EQ(exit_after_signal(endless, signal, err), 5);
+    EXPECT_EQ(exit_after_signals(endless, {{"\"event\":\"samples\"", signal}}, err), 5);
     const auto last = events_of(err).back();
     EXPECT_EQ(last["event"], "finish");
     EXPECT_EQ(last["reason"], "signal");
@@ -105,6 +110,44 @@ TEST_F(render_loop_test, a_signal_ends_the_pass_writes_everything_and_exits_5) {
     EXPECT_TRUE(fs::exists(image("a")) && fs::exists(directory / "a.png") && fs::exists(checkpoint("a")));
     EXPECT_FALSE(fs::exists(directory / "a.checkpoint.lock"));
   }
+}
+
+// Nothing else would write a checkpoint within an hour.
+TEST_F(render_loop_test, usr1_writes_the_files_and_the_render_goes_on) {
+  std::string err;
+  const Arguments endless = render(image("a"), {"--spp", "1000000000", "--progress", "json", "--every", "1h", "--size", "64x64"});
+  EXPECT_EQ(exit_after_signals(endless,
+                               {{"\"event\":\"samples\"", SIGUSR1}, {"\"event\":\"checkpoint\"", 0}, {"\"event\":\"samples\"", SIGTERM}}, err),
+            5);
+  const auto events = events_of(err);
+  EXPECT_EQ(std::count_if(events.begin(), events.end(), [](const auto& e) { return e["event"] == "checkpoint"; }), 2);
+}
+
+TEST_F(render_loop_test, a_viewer_is_shown_the_image_and_one_that_is_not_there_costs_a_warning) {
+  const int listener = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const std::string to = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  const ProgramResult refused = expect_exit(0, render(image("a"), {"--spp", "2", "--tev", to}));  // nobody listens yet
+  EXPECT_NE(refused.err.find("warning: "), std::string::npos) << refused.err;
+  ASSERT_EQ(listen(listener, 1), 0);
+  std::size_t received = 0;
+  std::thread viewer([&] {
+    const int connection = accept(listener, nullptr, nullptr);
+    char buffer[4096];
+    for (ssize_t count; (count = read(connection, buffer, sizeof buffer)) > 0;) received += static_cast<std::size_t>(count);
+    close(connection);
+  });
+  const ProgramResult shown = expect_exit(0, render(image("b"), {"--spp", "2", "--tev", to}));
+  viewer.join();
+  close(listener);
+  EXPECT_EQ(shown.err.find("warning: "), std::string::npos) << shown.err;
+  EXPECT_GE(received, 16u * 16 * 3 * sizeof(float));
+  EXPECT_EQ(bytes_of(image("a")), bytes_of(image("b")));
 }
 
 TEST_F(render_loop_test, a_resumed_render_is_the_uninterrupted_one_bit_for_bit) {

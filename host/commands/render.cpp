@@ -177,6 +177,7 @@ Exit render(const RenderOptions& options) {
     phases.begin("layers");
     state.layers = render_aovs(renderer, scene, bvh, options.aovs);
   }
+  handlers.take_back();
   if (resumes) restore_film(renderer, read_checkpoint(options.checkpoint).film);
   if (options.restart) remove_checkpoint(options.checkpoint);
 

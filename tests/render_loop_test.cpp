@@ -274,3 +274,14 @@ TEST_F(render_loop_test, a_film_in_bands_gives_the_same_file) {
 }
 
 TEST_F(render_loop_test, an_image_may_have_one_pixel) { expect_exit(0, render(image("a"), {"--spp", "3", "--size", "1x1"})); }
+
+// 16384^2 x 184 bytes are 46 GiB, in bands if the device has less. Whether this machine would take it on depends on its memory; that it is
+// said beforehand does not.
+TEST_F(render_loop_test, info_plans_the_memory_of_the_largest_images) {
+  const ProgramResult small = expect_exit(0, {"info", scene, "--size", "64x64"});
+  EXPECT_NE(small.out.find("film                64x64"), std::string::npos) << small.out;
+  EXPECT_EQ(small.out.find("bands"), std::string::npos) << small.out;
+  const ProgramResult large = expect_exit(0, {"info", scene, "--size", "16384x16384"});
+  EXPECT_TRUE(large.out.find("46.0 GiB on the host") != std::string::npos || large.out.find("film: 16.0 GiB") != std::string::npos)
+      << large.out;
+}

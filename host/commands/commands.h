@@ -53,6 +53,7 @@ struct InfoOptions {
   std::filesystem::path scene;
   Definitions definitions;
   std::string device;
+  std::optional<glm::uvec2> size;
 };
 
 Exit render(const RenderOptions& options);

@@ -32,6 +32,7 @@ void print_features(Features features) {
 void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
   std::vector<BufferPlan> buffers = plan_buffers(scene, bvh);
   const FilmPlan film = plan_film(device, scene, buffers);
+  const std::vector<BufferPlan> of_scene = buffers;
   buffers.push_back({"film", nullptr, film.film});
   buffers.push_back({"moments", nullptr, film.moments});
   buffers.push_back({"errors", nullptr, film.errors});
@@ -44,6 +45,11 @@ void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
   if (film.bands > 1)
     row("film") << "in " << film.bands << " bands of " << film.rows << " rows, one after another on the device; "
                 << format_bytes((film.film + film.moments + film.errors) / film.rows * scene.settings.crop_height) << " on the host\n";
+  try {
+    check_memory(device, of_scene, film);
+  } catch (const Error& error) {
+    row("too much") << error.what() << "\n";
+  }
   if (!scene.triangles.empty())
     row("per triangle") << std::fixed << std::setprecision(1) << bytes_per_triangle(scene, bvh)
                         << " bytes of nodes, blocks and what shading reads\n";
@@ -54,7 +60,7 @@ void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
 Exit info(const InfoOptions& options) {
   if (is_exr(options.scene)) return info_image(options.scene);
   const Device device = open_device(options.device);
-  World world = read_scene(options.scene, options.definitions);
+  World world = read_scene(options.scene, options.definitions, {options.size, {}});
   print_warnings(world, std::cerr);
   const WorldFilm film = world.film;
   const std::uint64_t samples_per_pixel = world.samples_per_pixel;
@@ -81,6 +87,9 @@ Command info_command(CLI::App& program) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires, or what an OpenEXR image holds");
   add_scene(line, options->scene, options->definitions);
+  line.add_option_function<std::string>(
+          "--size", [options](const std::string& given) { options->size = film_size("--size", given); }, "film in pixels, as for render")
+      ->type_name("WIDTHxHEIGHT");
   add_device(line, options->device);
   return {&line, [options] { return info(*options); }};
 }

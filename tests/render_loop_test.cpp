@@ -135,6 +135,8 @@ TEST_F(render_loop_test, a_viewer_is_shown_the_image_and_one_that_is_not_there_c
   const ProgramResult refused = expect_exit(0, render(image("a"), {"--spp", "2", "--tev", to}));  // nobody listens yet
   EXPECT_NE(refused.err.find("warning: "), std::string::npos) << refused.err;
   ASSERT_EQ(listen(listener, 1), 0);
+  const timeval patience{60, 0};  // for accept: a program that does not come fails the test, it does not hang it
+  ASSERT_EQ(setsockopt(listener, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
   std::size_t received = 0;
   std::thread viewer([&] {
     const int connection = accept(listener, nullptr, nullptr);

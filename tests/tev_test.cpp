@@ -4,6 +4,8 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -47,7 +49,11 @@ class Listener {
 
   bool good() const { return good_; }
   std::string port() const { return std::to_string(port_); }
-  int accepted() const { return accept(socket_, nullptr, nullptr); }
+  // -1 if nobody comes: a client that gives up fails its test, it does not hang it.
+  int accepted() const {
+    pollfd waiting{socket_, POLLIN, 0};
+    return poll(&waiting, 1, 20000) == 1 ? accept(socket_, nullptr, nullptr) : -1;
+  }
   void close_now() {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
@@ -161,8 +167,17 @@ double seconds_of(const std::function<void()>& work) {
 
 }  // namespace
 
+// A bare machine may know no names at all, not even this one.
+bool resolves(const char* host) {
+  addrinfo* found = nullptr;
+  const bool known = getaddrinfo(host, nullptr, nullptr, &found) == 0;
+  if (known) freeaddrinfo(found);
+  return known;
+}
+
 TEST(tev_test, a_viewer_shows_the_pixels_of_the_last_image) {
   for (const auto& [family, host] : {std::pair{AF_INET, "127.0.0.1"}, {AF_INET, "localhost"}, {AF_INET6, "::1"}}) {
+    if (!resolves(host)) continue;
     const Listener listener(family);
     if (family == AF_INET6 && !listener.good()) continue;  // a machine without IPv6
     ASSERT_TRUE(listener.good());

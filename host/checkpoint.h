@@ -60,7 +60,4 @@ void require_mergeable(std::span<const Checkpoint> heads, std::span<const std::s
 // sample. The sums are exact: any order of additions gives the same bits, those of one render of all samples. Throws as above.
 void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name);
 
-// Of at least one. They are named by their numbers, from 1 on.
-Checkpoint merge(std::vector<Checkpoint> parts);
-
 }  // namespace oclair

@@ -7,7 +7,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr uint MAX_SIDE = 65536;      // pixels, as --size takes them
 constexpr int MAX_EXPONENT = 4096;    // far beyond what float radiances lead to
 constexpr double MAX_RADIUS = 1e6;    // pixels
 constexpr int MAX_NESTING = 4;
@@ -45,7 +44,7 @@ std::int64_t whole(const Json& json, const std::string& name, std::int64_t least
   return json.get<std::int64_t>();
 }
 
-uint side(const Json& json, const std::string& name, uint least, uint most = MAX_SIDE) {
+uint side(const Json& json, const std::string& name, uint least, uint most = MAX_FILM_SIDE) {
   return static_cast<uint>(whole(json, name, least, most));
 }
 

@@ -64,6 +64,8 @@ std::string approximation_names(const Scene& scene) {
   return names.empty() ? "none" : names;
 }
 
+const char* name_of(SamplerKind sampler) { return sampler == SAMPLER_SOBOL ? "sobol" : "independent"; }
+
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device) {
   return {{"software", "oclair " OCLAIR_VERSION},
           {"scene", origin.scene},
@@ -71,7 +73,7 @@ HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device&
           {"commandLine", origin.command_line},
           {"options", origin.options},
           {"seed", std::to_string(scene.settings.seed)},
-          {"sampler", scene.settings.sampler == SAMPLER_SOBOL ? "sobol" : "independent"},
+          {"sampler", name_of(static_cast<SamplerKind>(scene.settings.sampler))},
           {"features", feature_names(scene.features)},
           {"approximations", approximation_names(scene)},
           {"device", device.name},

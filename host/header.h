@@ -28,6 +28,9 @@ struct Origin {
 // What was asked for at the price of accuracy, on the command line or by the scene's materials: "none", or names.
 std::string approximation_names(const Scene& scene);
 
+// As --sampler takes them: "independent", "sobol".
+const char* name_of(SamplerKind sampler);
+
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device);
 
 // What depends on the samples, or on how long they took.

@@ -58,13 +58,6 @@ using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 File open_file(const fs::path& path) { return {std::fopen(path.c_str(), "rb"), &std::fclose}; }
 
-// On one line, without what would steer a terminal.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
-
 template <class... Values>
 std::string numbers(const Values&... values) {
   std::ostringstream text;
@@ -75,7 +68,7 @@ std::string numbers(const Values&... values) {
 }
 
 std::string text_of(const Imf::Attribute& attribute) {
-  if (const auto* a = dynamic_cast<const Imf::StringAttribute*>(&attribute)) return printable(a->value());
+  if (const auto* a = dynamic_cast<const Imf::StringAttribute*>(&attribute)) return one_line(a->value());
   if (const auto* a = dynamic_cast<const Imf::IntAttribute*>(&attribute)) return numbers(a->value());
   if (const auto* a = dynamic_cast<const Imf::FloatAttribute*>(&attribute)) return numbers(a->value());
   if (const auto* a = dynamic_cast<const Imf::DoubleAttribute*>(&attribute)) return numbers(a->value());
@@ -90,7 +83,7 @@ std::string text_of(const Imf::Attribute& attribute) {
     return numbers("red", c.red.x, c.red.y, "green", c.green.x, c.green.y, "blue", c.blue.x, c.blue.y, "white", c.white.x,
                    c.white.y);
   }
-  return printable("(" + std::string(attribute.typeName()) + ")");
+  return one_line("(" + std::string(attribute.typeName()) + ")");
 }
 
 bool is_structural(const std::string& name) {
@@ -106,8 +99,8 @@ std::uint64_t extent(int min, int max) { return static_cast<std::uint64_t>(std::
 PartInfo describe(const Imf::Header& header) {
   PartInfo part;
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
-  if (header.hasName()) part.name = printable(header.name());
-  part.type = header.hasType()              ? printable(header.type())
+  if (header.hasName()) part.name = one_line(header.name());
+  part.type = header.hasType()              ? one_line(header.type())
               : header.hasTileDescription() ? Imf::TILEDIMAGE
                                             : Imf::SCANLINEIMAGE;
   part.width = extent(data.min.x, data.max.x);
@@ -118,12 +111,12 @@ PartInfo describe(const Imf::Header& header) {
   part.film_height = extent(display.min.y, display.max.y);
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     const Imf::PixelType type = channel.channel().type;
-    part.channels.emplace_back().name = printable(channel.name());
+    part.channels.emplace_back().name = one_line(channel.name());
     part.channels.back().type = type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "uint";
   }
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
     if (!is_structural(attribute.name()))
-      part.attributes.emplace_back(printable(attribute.name()), text_of(attribute.attribute()));
+      part.attributes.emplace_back(one_line(attribute.name()), text_of(attribute.attribute()));
   return part;
 }
 
@@ -246,7 +239,7 @@ bool is_exr(const fs::path& path) {
 
 std::vector<PartInfo> read_image_info(const fs::path& path) {
   const auto refuse = [&](const std::string& what) -> Error {
-    return {Exit::scene, path.string() + ": " + printable(what) + ", expected an OpenEXR file that is whole"};
+    return {Exit::scene, path.string() + ": " + one_line(what) + ", expected an OpenEXR file that is whole"};
   };
   const File file = open_file(path);
   if (!file) throw refuse("it cannot be read");

@@ -105,13 +105,4 @@ void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
   sum.ranges = joined(std::move(sum.ranges));
 }
 
-Checkpoint merge(std::vector<Checkpoint> parts) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < parts.size(); ++i) names.push_back("checkpoint " + std::to_string(i + 1));
-  require_mergeable(parts, names);
-  Checkpoint sum = std::move(parts.front());
-  for (std::size_t i = 1; i < parts.size(); ++i) add_samples(sum, std::move(parts[i]), names[i]);
-  return sum;
-}
-
 }  // namespace oclair

@@ -73,11 +73,14 @@ void Progress::begin(const std::string& phase, std::uint64_t samples_before) {
     show("");
 }
 
+bool Progress::shows_samples() const {
+  return face_ != Face::line && clock_() - shown_ >= (face_ == Face::json ? 1.0 : 0.1);
+}
+
 void Progress::samples(std::uint64_t done, std::optional<std::uint64_t> wanted, const SampleFigures& figures) {
   done_ = done;
-  const double now = clock_();
-  if (face_ == Face::line || now - shown_ < (face_ == Face::json ? 1.0 : 0.1)) return;
-  shown_ = now;
+  if (!shows_samples()) return;
+  const double now = shown_ = clock_();
   const std::optional<double> left = seconds_left(wanted, figures);
   if (face_ == Face::json) {
     std::optional<double> rays_per_second;

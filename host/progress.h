@@ -30,6 +30,7 @@ class Progress {
 
   // Ends the phase before it. `samples_before`: those that samples() will count although an earlier run has taken them.
   void begin(const std::string& phase, std::uint64_t samples_before = 0);
+  bool shows_samples() const;  // whether samples() would now be seen: figures that cost something may be left out otherwise
   // In all pixels together; `wanted` is absent where no number of samples is the target.
   void samples(std::uint64_t done, std::optional<std::uint64_t> wanted, const SampleFigures& figures = {});
   void end();  // does nothing between phases

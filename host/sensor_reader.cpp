@@ -14,7 +14,6 @@ namespace oclair {
 
 namespace {
 
-constexpr std::int64_t MAX_SIZE = 1 << 16;                    // pixels of a film along one side
 constexpr std::uint64_t MAX_PIXELS = std::uint64_t{1} << 31;  // of a whole film: random streams of more would coincide (rng_key)
 constexpr double MAX_FILTER_RADIUS = 64.0;                    // pixels
 constexpr double FULL_FRAME_DIAGONAL = 43.266615305567875;    // mm, of 36 mm x 24 mm: what focal_length refers to
@@ -60,7 +59,7 @@ void read_film(Document& document, std::uint32_t index, WorldFilm& film) {
   auto& element = document.elements[index];
   if (element.type != "hdrfilm") refuse(element.where, describe(element) + " is not supported (supported: hdrfilm)");
   const auto size = [&](const char* name, uint missing, std::int64_t least) {
-    return static_cast<uint>(integer_property(element, name, missing, least, MAX_SIZE));
+    return static_cast<uint>(integer_property(element, name, missing, least, std::int64_t{MAX_FILM_SIDE}));
   };
   film.width = size("width", film.width, 1);
   film.height = size("height", film.height, 1);

@@ -92,6 +92,8 @@ struct WorldCamera {
   double focus_distance = 1.0;    // depth of the plane in focus
 };
 
+inline constexpr uint MAX_FILM_SIDE = 65536;  // pixels
+
 enum class FilterKind { box, tent, gaussian };
 enum class PixelFormat { luminance, luminance_alpha, rgb, rgba, xyz, xyza };
 

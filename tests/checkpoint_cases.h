@@ -111,4 +111,14 @@ inline void expect_same(const Checkpoint& a, const Checkpoint& b) {
   expect_same_layers(a.layers, b.layers);
 }
 
+// Of at least one. They are named by their numbers, from 1 on.
+inline Checkpoint merge(std::vector<Checkpoint> parts) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < parts.size(); ++i) names.push_back("checkpoint " + std::to_string(i + 1));
+  require_mergeable(parts, names);
+  Checkpoint sum = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) add_samples(sum, std::move(parts[i]), names[i]);
+  return sum;
+}
+
 }  // namespace oclair::test

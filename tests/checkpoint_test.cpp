@@ -4,14 +4,13 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
-#include <fstream>
 #include <functional>
-#include <iterator>
 
 #include "../host/error.h"
 #include "../host/xxh3.h"
 #include "checkpoint_cases.h"
 #include "faults.h"
+#include "files.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -19,13 +18,6 @@ namespace {
 using namespace oclair;
 using namespace oclair::test;
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 // The message of the refusal, which has one line; empty if the file was read.
 std::string refusal(const fs::path& path) {

@@ -6,12 +6,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <functional>
-#include <iterator>
 
 #include "../host/error.h"
 #include "faults.h"
+#include "files.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -20,13 +19,6 @@ using namespace oclair;
 using namespace oclair::test;
 namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 std::string failure(const std::function<void()>& attempt) {
   try {

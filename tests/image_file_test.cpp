@@ -3,14 +3,13 @@
 
 #include <bit>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "../host/error.h"
 #include "../host/image.h"
 #include "exr_reader.h"
 #include "faults.h"
+#include "files.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -27,13 +26,6 @@ std::vector<std::uint32_t> bits(std::span<const float> values, std::size_t strid
   for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(std::bit_cast<std::uint32_t>(values[i]));
   return result;
 }
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 // A part of float channels with these values.
 ImagePart planes(const std::string& name, const std::vector<std::pair<std::string, PixelValues>>& channels) {

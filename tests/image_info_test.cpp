@@ -10,12 +10,12 @@
 #include <sys/resource.h>
 
 #include <cstring>
-#include <fstream>
 #include <functional>
 
 #include "../host/error.h"
 #include "../host/image.h"
 #include "encoders.h"
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -27,13 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 ImagePart part_of(const std::string& name, const std::string& channel, const std::vector<float>& values) {
   return {name, {channel}, ValuesOfPixel<float>([&values](std::size_t pixel, std::span<float> v) { v[0] = values[pixel]; })};

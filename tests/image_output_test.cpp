@@ -3,10 +3,9 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "exr_reader.h"
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -16,11 +15,6 @@ namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
 const fs::path scenes = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes";
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 ProgramResult render(const fs::path& image, const Arguments& more) {
   Arguments arguments = {"render", (scenes / "furnace.xml").string(), "-o", image.string(), "--size", "16x8"};

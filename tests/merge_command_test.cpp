@@ -1,11 +1,10 @@
 // `oclair merge`: from the checkpoints of parts to one file.
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "../host/checkpoint_lock.h"
 #include "checkpoint_cases.h"
 #include "exr_reader.h"
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -14,13 +13,6 @@ namespace {
 using namespace oclair;
 using namespace oclair::test;
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void put(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 

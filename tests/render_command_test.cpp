@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "exr_reader.h"
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -15,12 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path scenes = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes";
-
-std::string bytes_of(const fs::path& file) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(file, std::ios::binary).rdbuf();
-  return bytes.str();
-}
 
 // Arguments that render the furnace in a moment.
 std::vector<std::string> quick(const fs::path& output, std::vector<std::string> more = {}) {
@@ -61,7 +55,7 @@ TEST(render_command_test, on_one_terminal_the_names_of_the_files_have_lines_of_t
   const fs::path exr = directory / "a.exr", log = directory / "log";
   ASSERT_EQ(std::system((shell_line(OCLAIR_PROGRAM, quick(exr, {"--png"})) + " >'" + log.string() + "' 2>&1").c_str()), 0);
   const std::string names = "\n" + exr.string() + "\n" + (directory / "a.png").string() + "\n";
-  EXPECT_NE(bytes_of(log).find(names), std::string::npos) << bytes_of(log);
+  EXPECT_NE(content(log).find(names), std::string::npos) << content(log);
 }
 
 // No option of a kernel compiler can hold a blank, so no path may be one.
@@ -85,8 +79,8 @@ TEST(render_command_test, two_equal_runs_write_equal_bytes) {
   ::unsetenv("SOURCE_DATE_EPOCH");
   ASSERT_EQ(exit_of_first, 0);
   ASSERT_EQ(exit_of_second, 0);
-  EXPECT_EQ(bytes_of(first), bytes_of(second));
-  EXPECT_EQ(bytes_of(directory / "a.png"), bytes_of(directory / "b.png"));
+  EXPECT_EQ(content(first), content(second));
+  EXPECT_EQ(content(directory / "a.png"), content(directory / "b.png"));
   unsetenv("SOURCE_DATE_EPOCH");
 }
 

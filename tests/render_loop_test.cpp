@@ -8,11 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -24,12 +24,10 @@ using Arguments = std::vector<std::string>;
 
 const std::string scene = (fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes/cornell-boxes.xml").string();
 
+// Of a file that is there.
 std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  EXPECT_TRUE(stream) << file;
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return bytes.str();
+  EXPECT_TRUE(fs::exists(file)) << file;
+  return content(file);
 }
 
 Arguments render(const fs::path& image, const Arguments& more) {

@@ -14,6 +14,7 @@
 #include "../host/checkpoint_lock.h"
 #include "checkpoint_cases.h"
 #include "exr_reader.h"
+#include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
 
@@ -24,11 +25,6 @@ using namespace oclair::test;
 namespace fs = std::filesystem;
 
 const fs::path scenes = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes";
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // Nothing in the header of an image may differ between two equal runs.
 class resume_image : public testing::Test {

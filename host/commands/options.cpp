@@ -99,8 +99,8 @@ Aovs aovs(const std::string& option, const std::string& given) {
 }
 
 SamplerKind sampler(const std::string& option, const std::string& given) {
-  if (given == "independent") return SAMPLER_INDEPENDENT;
-  if (given == "sobol") return SAMPLER_SOBOL;
+  for (const SamplerKind kind : {SAMPLER_INDEPENDENT, SAMPLER_SOBOL})
+    if (given == name_of(kind)) return kind;
   refuse(option, given, "independent or sobol");
 }
 
@@ -137,7 +137,7 @@ bool progress_json(const std::string& option, const std::string& given) {
 }
 
 glm::uvec2 film_size(const std::string& option, const std::string& given) {
-  constexpr std::uint64_t most = 65536;
+  constexpr std::uint64_t most = MAX_FILM_SIDE;
   const std::size_t cross = std::min(given.find('x'), given.size());
   const auto width = parse_whole_number(std::string_view(given).substr(0, cross));
   const auto height = parse_whole_number(std::string_view(given).substr(std::min(cross + 1, given.size())));

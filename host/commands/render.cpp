@@ -65,7 +65,7 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"kernels", kernel_hash()},
           {"scene", hash},
           {"seed", std::to_string(settings.seed)},
-          {"sampler", settings.sampler == SAMPLER_SOBOL ? "sobol" : "independent"},
+          {"sampler", name_of(static_cast<SamplerKind>(settings.sampler))},
           {"max depth", std::to_string(settings.max_depth)},
           {"approximations", approximation_names(scene)}};
 }

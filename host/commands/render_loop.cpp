@@ -66,10 +66,15 @@ class Loop {
     render_pass(renderer_, samples, [&](double share) {
       const double done = static_cast<double>(renderer_.samples) + share * samples;
       progress_.samples(in_film(done), open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
-                        {ray_count(renderer_) - rays_before_, monitor_ ? monitor_->estimate() : std::nullopt, seconds_left(done)});
+                        {rays_so_far(), monitor_ ? monitor_->estimate() : std::nullopt, seconds_left(done)});
     });
     schedule_.pass_ended(samples);
     film_is_current_ = false;
+  }
+
+  // Read back from the device: only for an event that is shown.
+  std::optional<std::uint64_t> rays_so_far() const {
+    return progress_.shows_samples() ? std::optional(ray_count(renderer_) - rays_before_) : std::nullopt;
   }
 
   // Until the time is up or the error reached, whichever is sooner; the number of samples is the progress's own business.

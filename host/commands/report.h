@@ -1,4 +1,4 @@
-// What render and info say alike.
+// What info says of scenes and of images, and how.
 #pragma once
 
 #include <cstddef>

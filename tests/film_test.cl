@@ -30,3 +30,31 @@ __kernel void accumulate(uint count, __global ulong *sums, uint limbs, __global 
   size_t i = get_global_id(0);
   if (i < count) film_accumulate(sums + i * limbs, (int)limbs, value[i], shift[i]);
 }
+
+__kernel void split(uint count, __global const float *x, __global ulong *mantissa, __global int *power) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  ulong m;
+  power[i] = film_split(x[i], &m);
+  mantissa[i] = m;
+}
+
+// carry: what comes in, then what goes on.
+__kernel void carries(uint count, __global const ulong *a, __global const ulong *b, __global ulong *carry, __global ulong *sum) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  ulong c = carry[i];
+  sum[i] = film_carry(a[i], b[i], &c);
+  carry[i] = c;
+}
+
+// Three limbs to each of three.
+__kernel void add_limbs(uint count, __global ulong *sums, __global const ulong *limbs) {
+  size_t i = get_global_id(0);
+  if (i < count) film_add_limbs(sums + 3 * i, limbs[3 * i], limbs[3 * i + 1], limbs[3 * i + 2]);
+}
+
+__kernel void add_square(uint count, __global ulong *sums, __global const ulong *low, __global const ulong *high) {
+  size_t i = get_global_id(0);
+  if (i < count) film_add_square(sums + 3 * i, low[i], high[i]);
+}

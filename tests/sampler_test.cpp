@@ -1,4 +1,5 @@
 // The two samplers: where they agree, and that the Sobol one keeps its nets together.
+#include <array>
 #include <set>
 
 #include "random.h"
@@ -45,6 +46,26 @@ TEST(sampler_test, sobol_points_differ_from_independent_ones_in_the_digits_of_th
     }
   }
   EXPECT_GT(different, within * 9 / 10);  // 1 - 2^-8
+}
+
+TEST(sampler_test, a_point_is_the_first_24_of_each_32_bits) {
+  const std::vector<SamplerPlace> list = places();
+  for (const SamplerKind kind : {SAMPLER_INDEPENDENT, SAMPLER_SOBOL}) {
+    const std::vector<cl_ulong> bits = draw_bits(kind, 7, list).bits;
+    Settings settings{};
+    settings.sampler = kind;
+    settings.seed = 7;
+    std::vector<cl_uint> pixel, dimension;
+    std::vector<cl_ulong> sample;
+    for (const SamplerPlace& p : list) pixel.push_back(p.pixel), sample.push_back(p.sample), dimension.push_back(p.dimension);
+    std::vector<std::array<float, 2>> points(list.size());
+    run("sampler_test.cl", "points", list.size(), std::vector<Settings>{settings}, pixel, sample, dimension, out(points));
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const double x = std::ldexp(static_cast<double>(bits[i] >> 40), -24), y = std::ldexp(static_cast<double>(bits[i] >> 8 & 0xffffff), -24);
+      ASSERT_EQ(static_cast<double>(points[i][0]), x);
+      ASSERT_EQ(static_cast<double>(points[i][1]), y);
+    }
+  }
 }
 
 // Whatever the replica, pixel, seed and dimension: one point in every elementary interval.

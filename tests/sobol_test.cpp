@@ -1,4 +1,5 @@
 // Nets and their scrambling, exhaustively.
+#include <array>
 #include <set>
 
 #include "kernel.h"
@@ -46,6 +47,26 @@ TEST(sobol_test, unscrambled_points_are_those_of_the_direction_numbers) {
       direction ^= direction << 1;
     }
     EXPECT_EQ(points[i], expected) << i;
+  }
+}
+
+// Entry (row, column) of Pascal's triangle modulo 2, highest digit first: binomial(column, row), by addition.
+TEST(sobol_test, second_coordinate_is_pascals_triangle_times_the_first) {
+  int pascal[m][m] = {};
+  for (int column = 0; column < m; ++column)
+    for (int row = 0; row <= column; ++row)
+      pascal[row][column] = row == 0 ? 1 : (pascal[row - 1][column - 1] + (row < column ? pascal[row][column - 1] : 0)) % 2;
+  std::vector<cl_uint> digits(n), found(n);
+  for (cl_uint i = 0; i < n; ++i) digits[i] = i;
+  run("sobol_test.cl", "second", n, digits, out(found));
+  for (cl_uint i = 0; i < n; ++i) {
+    cl_uint expected = 0;
+    for (int row = 0; row < m; ++row) {
+      int digit = 0;
+      for (int column = 0; column < m; ++column) digit ^= pascal[row][column] & static_cast<int>(i >> (m - 1 - column) & 1);
+      expected |= static_cast<cl_uint>(digit) << (m - 1 - row);
+    }
+    EXPECT_EQ(found[i], expected) << i;
   }
 }
 

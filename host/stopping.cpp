@@ -13,6 +13,7 @@ namespace {
 constexpr double floor_share = 0.01;    // of the squared mean colour: a tenth of the mean radiance
 constexpr uint cell_side = 8;           // pixels
 constexpr double most_of_a_burst = 0.05;
+constexpr double most_growth = 4.0;  // of the floor within a sequence of pairs: the picture's mean doubled
 constexpr std::uint64_t fewest_pairs = 4;
 constexpr std::uint64_t fewest_pixel_pairs = 4096;  // of all pixels together
 
@@ -26,6 +27,8 @@ double sequence_width(double n, double alpha) {
   const double l = -2.0 * std::log(2.0 * alpha), r2 = (l + std::log(l + 1.0)) / n0, q = n * r2 + 1.0;
   return std::sqrt(2.0 * q / (n * n * r2) * std::log1p(std::sqrt(q) / (2.0 * alpha)));
 }
+
+std::size_t cells_across(uint pixels) { return (pixels + cell_side - 1) / cell_side; }
 
 std::string format(const char* pattern, double a, double b, double c) {
   char line[200];
@@ -57,14 +60,15 @@ void ErrorMonitor::add(const Film& film) {
     return;
   }
   pair_begun_ = false;
-  const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
-  std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
+  const std::size_t row_of_cells = cells_across(film.width);
+  std::vector<double> cells(row_of_cells * cells_across(film.height), 0.0);
   double y = 0.0;
   for (std::size_t row = 0, i = 0; row < film.height; ++row)
     for (std::size_t column = 0; column < film.width; ++column, ++i) {
       auto difference = take_block(film, i);
       for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
       const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+      pixels_[i].first[0] = static_cast<float>(variance);
       if (!black_) pixels_[i].variance_sum += variance;
       y += weighted;
       cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
@@ -80,11 +84,25 @@ void ErrorMonitor::add(const Film& film) {
   }
   samples_ = film.samples;
   set_weights(film);
+  if (pairs_ == 0 && !black_) largest_burst_ = burst_before_ = burst_of_last_pair(film);
+}
+
+// The largest share of a cell in the noise of the pair that has just ended, with the weights of today.
+double ErrorMonitor::burst_of_last_pair(const Film& film) const {
+  const std::size_t row_of_cells = cells_across(film.width);
+  std::vector<double> cells(row_of_cells * cells_across(film.height), 0.0);
+  for (std::size_t row = 0, i = 0; row < film.height; ++row)
+    for (std::size_t column = 0; column < film.width; ++column, ++i)
+      cells[row / cell_side * row_of_cells + column / cell_side] += pixels_[i].weight * static_cast<double>(pixels_[i].first[0]);
+  return *std::max_element(cells.begin(), cells.end()) / static_cast<double>(pixels_.size());
 }
 
 // Takes the film as where the next pair begins.
 void ErrorMonitor::rebase(const Film& film) {
-  if (pixels_.size() != film.pixels.size()) pixels_.assign(film.pixels.size(), Pixel{});
+  if (pixels_.size() != film.pixels.size()) {
+    pixels_.assign(film.pixels.size(), Pixel{});
+    unknown_pixels_ = 0;
+  }
   for (std::size_t i = 0; i < pixels_.size(); ++i) take_block(film, i);
   samples_ = film.samples;
   pair_begun_ = false;
@@ -100,6 +118,7 @@ void ErrorMonitor::set_weights(const Film& film) {
   }
   const double floor = floor_share * square(mean);
   black_ = !(floor > 0.0);
+  if (floor > most_growth * sequence_floor_) begin_sequence(floor);
   variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
@@ -109,6 +128,15 @@ void ErrorMonitor::set_weights(const Film& film) {
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
   }
+}
+
+// Forgets the pairs so far: the weights that they were seen with came from a picture that lacked most of its light.
+void ErrorMonitor::begin_sequence(double floor) {
+  spent_sequences_ += pairs_ >= pairs_needed();
+  sequence_floor_ = floor;
+  pairs_ = 0;
+  mean_ = square_sum_ = largest_burst_ = burst_before_ = 0.0;
+  for (Pixel& pixel : pixels_) pixel.variance_sum = 0.0;
 }
 
 // The pixel's mean, from the sums that take_block left.
@@ -135,6 +163,10 @@ std::array<double, 3> ErrorMonitor::take_block(const Film& film, std::size_t i) 
     pixel.sum[c] = sum;
   }
   pixel.rejected = rejected;
+  if (!(taken > 0.0) && !pixel.unknown) {
+    pixel.unknown = true;
+    ++unknown_pixels_;
+  }
   return block;
 }
 
@@ -143,8 +175,16 @@ std::uint64_t ErrorMonitor::pairs_needed() const {
   return std::max(fewest_pairs, (fewest_pixel_pairs + pixels - 1) / pixels);
 }
 
+// What may go wrong in this sequence of pairs, for each of two reasons. Of all sequences together it is (1 - confidence) / 2: the first
+// one has 15/16 of that, those after it 1/32, 1/64, ... Sequences that ended before they could certify had no chance to go wrong.
+double ErrorMonitor::alpha() const {
+  const double share = spent_sequences_ == 0 ? 0.9375 : std::ldexp(1.0, -4 - static_cast<int>(std::min<std::uint64_t>(spent_sequences_, 60)));
+  return 0.5 * (1.0 - confidence_) * share;
+}
+
 double ErrorMonitor::burst_share() const {
-  return mean_ > 0.0 ? largest_burst_ / (mean_ * static_cast<double>(pairs_)) : 0.0;
+  const double seen = burst_before_ + mean_ * static_cast<double>(pairs_);
+  return seen > 0.0 ? largest_burst_ / seen : 0.0;
 }
 
 std::optional<double> ErrorMonitor::estimate() const {
@@ -155,17 +195,16 @@ std::optional<double> ErrorMonitor::estimate() const {
 std::optional<double> ErrorMonitor::bound() const {
   if (pairs_ < 2) return std::nullopt;
   const double pairs = static_cast<double>(pairs_), pixels = static_cast<double>(pixels_.size());
-  const double alpha = 0.5 * (1.0 - confidence_);  // for each of the two things that can go wrong
   // The deviation of Y from one pair to another: at least that of normal blocks in independent pixels.
   const double normal = 2.0 * variance_square_mean_ / pixels;
   const double seen = std::max(normal, square_sum_ / (pairs - 1.0));
   // First the expectation of Y. Weights have changed since the first pairs: those of today count if they say more.
   const double reweighting = mean_ > 0.0 ? std::max(1.0, variance_mean_ / mean_) : 1.0;
-  const double expectation = reweighting * (mean_ + std::sqrt(seen) * sequence_width(pairs, alpha));
+  const double expectation = reweighting * (mean_ + std::sqrt(seen) * sequence_width(pairs, alpha()));
   // Then the error of this one image about its expectation: of n blocks, n times the squared error is almost a weighted sum of
   // chi-squares, whose upper tail is bounded by Laurent, Massart 2000 (Adaptive estimation of a quadratic functional by model
   // selection), lemma 1. Almost: the kurtosis that makes Y deviate more than normal blocks do counts 2 / n as much here.
-  const double blocks = static_cast<double>(samples_ / block_), x = -std::log(alpha);
+  const double blocks = static_cast<double>(samples_ / block_), x = -std::log(alpha());
   const double deviation = std::sqrt(normal + 2.0 * (seen - normal) / blocks);
   const double excess = deviation * std::sqrt(2.0 * x) + 2.0 * x * variance_most_ / pixels;
   return std::sqrt((expectation + excess) / blocks);
@@ -175,6 +214,9 @@ bool ErrorMonitor::certified() const { return why_not().empty(); }
 
 std::string ErrorMonitor::why_not() const {
   const std::uint64_t needed = pairs_needed();
+  if (unknown_pixels_ > 0)
+    return "pixels of which all samples of a block were left out: " + std::to_string(unknown_pixels_) +
+           "; nothing is known of their error";
   if (pairs_ < needed) {
     if (black_ && samples_ > 0) return "the picture is black so far";
     return "the error is judged after " + std::to_string(2 * (needed - pairs_) * block_) + " more samples per pixel";

@@ -33,23 +33,29 @@ class ErrorMonitor {
   std::optional<double> bound() const;     // the error is below this with the confidence asked for, whenever one looks
   bool certified() const;
   std::string why_not() const;  // one line for the user; empty: certified
+  // Pixels of which some block has had no sample that the film took: while there are any, nothing is ever certified.
+  std::uint64_t unknown_pixels() const { return unknown_pixels_; }
   std::optional<std::uint64_t> samples_expected() const;  // per pixel, until the bound reaches the target
 
  private:
   struct Pixel {
     std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
     std::uint64_t rejected;       // up to the last film
-    std::array<float, 3> first;   // mean of the first block of a pair
+    std::array<float, 3> first;   // mean of the first block of a pair; between pairs, first[0]: variance of the last one
+    bool unknown;                 // all samples of a block were left out
     double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
-    double variance_sum;          // over all pairs: |difference of two block means|^2 / 2, without weight
+    double variance_sum;          // over the pairs of the sequence: |difference of two block means|^2 / 2, without weight
   };
 
   void rebase(const Film& film);
   void set_weights(const Film& film);
+  void begin_sequence(double floor);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
   std::array<double, 3> known_mean(const Film& film, std::size_t pixel) const;
   std::uint64_t pairs_needed() const;
+  double alpha() const;
   double burst_share() const;
+  double burst_of_last_pair(const Film& film) const;
 
   double target_, confidence_;
   std::uint64_t block_;
@@ -57,11 +63,17 @@ class ErrorMonitor {
   std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
   bool pair_begun_ = false, black_ = true;
   std::vector<Pixel> pixels_;
+  std::uint64_t unknown_pixels_ = 0;
 
-  // Of Y, the weighted variance of a block, mean over the pixels: one value a pair.
+  // The sequence of pairs that the bound rests on begins anew when the picture turns out to be much brighter than when it began.
+  double sequence_floor_ = 0;            // the floor of the weights when it began; 0: it has not
+  std::uint64_t spent_sequences_ = 0;    // earlier ones that were long enough to certify
+
+  // Of Y, the weighted variance of a block, mean over the pixels: one value a pair of the sequence.
   std::uint64_t pairs_ = 0;
   double mean_ = 0, square_sum_ = 0;  // running mean, sum of squared distances from it (Welford 1962)
   double largest_burst_ = 0;          // share of one Y that one cell of 8 x 8 pixels brought, times that Y
+  double burst_before_ = 0;           // that of the pair that ended the sequence before, with the weights of this one
   // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum.
   double variance_mean_ = 0, variance_square_mean_ = 0, variance_most_ = 0;
 };

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "random.h"
@@ -213,9 +215,9 @@ TEST(stopping_test, samples_left_out_do_not_count_as_dark) {
   Render render;
   ErrorMonitor monitor(1e-6, 0.95);
   for (int i = 0; i < 140; ++i) {
-    // Every pixel is 1, but of some a part of the samples, or all, are left out.
+    // Every pixel is 1, but of all but one a part of the samples is left out.
     for (std::size_t p = 0; p < render.film.pixels.size(); ++p) {
-      const ulong left_out = p == 0 ? 16 : (p * 7 + static_cast<std::size_t>(i) * 5) % 16;
+      const ulong left_out = p == 0 ? 15 : (p * 7 + static_cast<std::size_t>(i) * 5) % 16;
       add_sum(render.film, p, 0, static_cast<double>(block - left_out));
       render.film.pixels[p].rejected += left_out;
     }
@@ -224,6 +226,79 @@ TEST(stopping_test, samples_left_out_do_not_count_as_dark) {
   }
   EXPECT_LT(*monitor.estimate(), 1e-8);
   EXPECT_TRUE(monitor.certified()) << monitor.why_not();
+}
+
+// Noise that would be certified; of one pixel a single block is left out, or every block, in the first or the second one of a pair, or
+// all that was rendered before a resume.
+TEST(stopping_test, a_pixel_whose_whole_block_was_left_out_prevents_certification) {
+  const auto why_not = [](const std::function<bool(int block)>& leaves_out, int resumed_at) {
+    Render render;
+    ErrorMonitor monitor(0.1, 0.95);
+    for (int i = 0; i < 200; ++i) {
+      const std::array<ulong, 2> before = {render.film.pixels[9].sum[0][0], render.film.pixels[9].sum[0][1]};
+      render.samples(block, 1.0, 0.2, 1);
+      if (leaves_out(i)) {
+        std::copy(before.begin(), before.end(), render.film.pixels[9].sum[0]);
+        render.film.pixels[9].rejected += block;
+      }
+      if (i >= resumed_at) monitor.add(render.film);
+    }
+    return monitor.why_not();
+  };
+  const char* const unknown = "pixels of which all samples of a block were left out: 1; nothing is known of their error";
+  EXPECT_EQ(why_not([](int) { return false; }, 0), "");
+  EXPECT_EQ(why_not([](int) { return true; }, 0), unknown);
+  for (const int only : {0, 101, 102}) EXPECT_EQ(why_not([&](int i) { return i == only; }, 0), unknown) << only;
+  EXPECT_EQ(why_not([](int i) { return i <= 20; }, 20), unknown);
+  EXPECT_EQ(why_not([](int i) { return i < 20; }, 21), "");  // of what came before the monitor only the whole counts
+}
+
+// Most of the light is found at block 40, or only after the pairs so far could have certified: what is judged then is what a monitor
+// judges that begins there; in the second case with less of the risk left, 1/32 for 15/16.
+TEST(stopping_test, light_that_is_found_late_begins_the_pairs_anew) {
+  for (const int dark : {41, 201}) {
+    Render render;
+    const double risk = dark * block < fewest ? 0.05 : 0.05 / 30;
+    ErrorMonitor all(0.01, 0.95), late(0.01, 1.0 - risk);
+    for (int i = 0; i < dark; ++i) {
+      render.samples(block, 0.01, 0.5);
+      all.add(render.film);
+    }
+    for (int i = 0; i < 2; ++i) {  // in one pair the mean grows by more than a factor of 5
+      render.samples(block, 5.0, 0.5);
+      all.add(render.film);
+    }
+    EXPECT_EQ(all.bound(), std::nullopt) << "the pairs do not begin anew";
+    EXPECT_FALSE(all.certified());
+    late.add(render.film);
+    for (int i = 0; i < 20; ++i) {
+      render.samples(block, 0.01, 0.5);  // the mean falls again: nothing more begins anew
+      all.add(render.film);
+      late.add(render.film);
+    }
+    ASSERT_TRUE(all.bound() && late.bound());
+    EXPECT_NEAR(*all.bound(), *late.bound(), 1e-9 * *late.bound());
+  }
+}
+
+// The pair that brought the light was noise of a few samples: it is not forgotten.
+TEST(stopping_test, a_single_sample_that_makes_the_pairs_begin_anew_prevents_certification) {
+  Render render;
+  ErrorMonitor monitor(0.3, 0.95);
+  for (int i = 0; i <= 10; ++i) {
+    render.samples(block, 0.5, 0.2);
+    monitor.add(render.film);
+  }
+  add_sum(render.film, 20, 1, 511.0);
+  add_sum(render.film, 20, 1, 511.0);
+  add_sum(render.film, 21, 1, 511.0);
+  for (int i = 0; i < 140; ++i) {
+    render.samples(block, 0.5, 0.2);
+    monitor.add(render.film);
+    EXPECT_FALSE(monitor.certified());
+  }
+  ASSERT_LT(*monitor.bound(), 0.3);
+  EXPECT_NE(monitor.why_not().find("% of the noise seen are a few samples"), std::string::npos) << monitor.why_not();
 }
 
 TEST(stopping_test, a_picture_of_one_pixel_has_an_error_too) {

@@ -48,6 +48,7 @@ class Loop {
       if (monitor_ && renderer_.samples % REPLICA_SAMPLES == 0) {
         monitor_->add(film());
         if (monitor_->certified()) return Stop::error;
+        warn_of_unknown_pixels();
       }
       write_what_is_due();
     }
@@ -87,6 +88,13 @@ class Loop {
         seconds = std::min(by_error, seconds.value_or(by_error));
       }
     return seconds;
+  }
+
+  // At once: without another limit the render would go on for ever.
+  void warn_of_unknown_pixels() {
+    if (warned_of_unknown_pixels_ || monitor_->unknown_pixels() == 0) return;
+    warned_of_unknown_pixels_ = true;
+    progress_.warning("the error will not be certified: " + monitor_->why_not());
   }
 
   void warn_of_viewer() {
@@ -136,6 +144,7 @@ class Loop {
   const std::uint64_t rays_before_ = ray_count(renderer_);
   const double samples_before_ = static_cast<double>(renderer_.samples), begun_ = steady_seconds();
   bool film_is_current_ = false;
+  bool warned_of_unknown_pixels_ = false;
   double viewed_ = -std::numeric_limits<double>::infinity();
 };
 

@@ -260,6 +260,60 @@ TEST(film_test, the_limit_of_acceptance_is_finite_not_negative_and_below_the_hea
   }
 }
 
+TEST(film_test, a_float_is_its_mantissa_times_its_power_of_two) {
+  Random random(9);
+  std::vector<float> x = {0.0f, -0.0f, 1e-45f, -1e-45f, 0x1p-126f, std::nextafter(0x1p-126f, 0.0f), 1.0f, -3.0f, 3.4028234e38f};
+  while (x.size() < count_or_small(20000, 64)) x.push_back(any_float(random, 1000) * static_cast<float>(random.sign()));
+  std::vector<cl_ulong> mantissa(x.size());
+  std::vector<cl_int> power(x.size());
+  run("film_test.cl", "split", x.size(), x, out(mantissa), out(power));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_LT(mantissa[i], cl_ulong{1} << 24);
+    EXPECT_EQ(std::ldexp(static_cast<double>(mantissa[i]), power[i]), std::abs(static_cast<double>(x[i])));
+  }
+}
+
+TEST(film_test, limbs_add_up_with_their_carries) {
+  Random random(10);
+  const std::size_t n = count_or_small(4096, 64);
+  const cl_ulong ends[] = {0, 1, ~cl_ulong{0} - 1, ~cl_ulong{0}};
+  const auto limb = [&] { return random.below(2) ? ends[random.below(4)] : random.engine(); };
+  std::vector<cl_ulong> a, b, carry, sum(n), sums, limbs;
+  for (std::size_t i = 0; i < n; ++i) {
+    a.push_back(limb()), b.push_back(limb()), carry.push_back(i % 2);
+    for (int k = 0; k < 3; ++k) sums.push_back(limb()), limbs.push_back(limb());
+  }
+  const std::vector<cl_ulong> sums_before = sums;
+  run("film_test.cl", "carries", n, a, b, out(carry), out(sum));
+  run("film_test.cl", "add_limbs", n, out(sums), limbs);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Uint128 exact = static_cast<Uint128>(a[i]) + b[i] + i % 2;
+    EXPECT_EQ(sum[i], static_cast<cl_ulong>(exact));
+    EXPECT_EQ(carry[i], static_cast<cl_ulong>(exact >> 64));
+    const auto wide = [&](const std::vector<cl_ulong>& v) { return Wide{v[3 * i], v[3 * i + 1], v[3 * i + 2]}; };
+    EXPECT_EQ(wide(sums), plus(wide(sums_before), wide(limbs)));
+  }
+}
+
+TEST(film_test, a_square_is_added_rounded_to_the_nearest) {
+  Random random(11);
+  const std::size_t n = count_or_small(4096, 64);
+  std::vector<cl_ulong> low, high, sums;
+  for (std::size_t i = 0; i < n; ++i) {
+    // All lengths up to what a replica's sum may have; powers of two are squares in the middle between two units.
+    const int bits = static_cast<int>(i % 98);
+    const Uint128 x = (static_cast<Uint128>(1) << bits) | (i % 3 ? (static_cast<Uint128>(random.engine()) << 64 | random.engine()) & ((static_cast<Uint128>(1) << bits) - 1) : 0);
+    low.push_back(static_cast<cl_ulong>(x)), high.push_back(static_cast<cl_ulong>(x >> 64));
+    sums.insert(sums.end(), {random.engine(), i % 2 ? ~cl_ulong{0} : random.engine(), random.engine() >> 8});
+  }
+  const std::vector<cl_ulong> before = sums;
+  run("film_test.cl", "add_square", n, out(sums), low, high);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Uint128 x = static_cast<Uint128>(high[i]) << 64 | low[i];
+    EXPECT_EQ((Wide{sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]}), plus({before[3 * i], before[3 * i + 1], before[3 * i + 2]}, rounded_square(x)));
+  }
+}
+
 // Extreme X27: 2^28 samples of 0.1f. All but 2^20 of them stand in the sum already, as the integer that they make.
 TEST(film_test, the_mean_of_2_to_the_28_equal_samples_is_the_sample) {
   const cl_uint added = static_cast<cl_uint>(count_or_small(std::size_t{1} << 20, 64));
@@ -490,8 +544,16 @@ TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
       for (const __float128 s : sum) variance += (s - mean) * (s - mean) / (replicas - 1);
       const double all = static_cast<double>(samples.size());
       const double expected = std::sqrt(static_cast<double>(variance / replicas)) / REPLICA_SAMPLES * all / (all - 1);
-      // The difference of squares loses 4 2^-64 of mean^2, here at most 3e6 times the variance; squares are rounded to 2^-72.
-      EXPECT_NEAR((*error)[c], expected, 1e-11 * expected + 0x1p-36);
+      // In 64 bits Q is rounded twice on its way out of its limbs, T once, T^2/n twice more: at most 2 and 4 2^-64 of Q, which
+      // is hardly more than T^2/n. Each square was rounded by half of 2^-72. The root has half of the relative error.
+      __float128 squares = 0;
+      for (const __float128 s : sum) squares += s * s;
+      const double lost = static_cast<double>(6 * squares) * 0x1p-64 + static_cast<double>(replicas) * 0x1p-73;
+      const double spread = static_cast<double>(variance) * static_cast<double>(replicas - 1);
+      ASSERT_LT(lost, 0.01 * spread);
+      // Samples were rounded by up to 2^-55: each sum by 2^-51, the root of their spread by sqrt(replicas) times that.
+      const double of_samples = 0x1p-51 / std::sqrt(static_cast<double>(replicas - 1)) / REPLICA_SAMPLES * all / (all - 1);
+      EXPECT_NEAR((*error)[c], expected, (0.51 * lost / spread + 0x1p-51) * expected + of_samples);
     }
   }
 }

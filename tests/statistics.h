@@ -40,11 +40,21 @@ inline double gamma_q(double a, double x) {
   return front * fraction;
 }
 
-// That a chi-square variable of so many degrees of freedom is at least `statistic`.
-inline double chi_square_tail(double statistic, double degrees) { return gamma_q(degrees / 2, statistic / 2); }
-
 // That a standard normal variable is at least |z| away from 0.
 inline double normal_tails(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
+
+// The bound on |z| for each of `comparisons` within one TEST, by bisection; z_bound(1) is sidak_z.
+inline double z_bound(double comparisons) {
+  double low = 0, high = 40;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (normal_tails(middle) > significance(comparisons) ? low : high) = middle;
+  }
+  return high;
+}
+
+// That a chi-square variable of so many degrees of freedom is at least `statistic`.
+inline double chi_square_tail(double statistic, double degrees) { return gamma_q(degrees / 2, statistic / 2); }
 
 // Pearson's test of counts against expected counts of the same total: its p-value. Cells in which fewer than 5 are expected are
 // pooled, smallest first and else in the order given, never by what was counted. A count where none is expected, or an expected

@@ -69,6 +69,12 @@ KernelOptions aov_options(const Scene& scene, const Bvh& bvh, const Aovs& wanted
 
 }  // namespace
 
+std::size_t aov_order(std::string_view layer) {
+  constexpr std::string_view order[] = {"albedo", "normal", "depth", "uv", "primitive"};
+  const std::string_view aov = layer.substr(0, layer.find('.'));
+  return static_cast<std::size_t>(std::find(std::begin(order), std::end(order), aov) - std::begin(order));
+}
+
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
   const Device& device = *renderer.device;
   AllChannels channels(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);

@@ -2,6 +2,8 @@
 // denoising.
 #pragma once
 
+#include <string_view>
+
 #include "layers.h"
 #include "render.h"
 
@@ -18,5 +20,8 @@ struct Aovs {
 // primitive; docs/image-files.md defines them. They depend on the scene, its seed and its film alone. uv wants a scene with
 // World::keep_uvs. The scene and the BVH are those of the renderer. Throws Error(Exit::device).
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted);
+
+// Where a layer of that name stands among those of render_aovs; behind them all if it is none of theirs.
+std::size_t aov_order(std::string_view layer);
 
 }  // namespace oclair

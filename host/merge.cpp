@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <optional>
 
+#include "aov.h"
 #include "checkpoint.h"
 #include "error.h"
 #include "limbs.h"
@@ -43,6 +45,17 @@ void require_mergeable(const std::vector<Part>& parts) {
     for (const SampleRange& range : part.checkpoint.ranges) ranges.push_back({range, part.name});
   }
   require_disjoint(ranges);
+}
+
+// The layers of both, of those that both have the first one's, as one render with all of them has them.
+void add_layers(std::vector<Layer>& layers, std::vector<Layer> more) {
+  const auto has = [&](const Layer& layer) {
+    return std::any_of(layers.begin(), layers.end(), [&](const Layer& other) { return other.name == layer.name; });
+  };
+  more.erase(std::remove_if(more.begin(), more.end(), has), more.end());
+  layers.insert(layers.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  std::stable_sort(layers.begin(), layers.end(),
+                   [](const Layer& a, const Layer& b) { return aov_order(a.name) < aov_order(b.name); });
 }
 
 }  // namespace
@@ -103,6 +116,7 @@ void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
   film.rays += part.film.rays;
   sum.ranges.insert(sum.ranges.end(), part.ranges.begin(), part.ranges.end());
   sum.ranges = joined(std::move(sum.ranges));
+  add_layers(sum.layers, std::move(part.layers));
 }
 
 }  // namespace oclair

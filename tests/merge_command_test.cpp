@@ -1,4 +1,5 @@
 // `oclair merge`: from the checkpoints of parts to one file.
+#include <array>
 #include <cmath>
 
 #include "../host/checkpoint_lock.h"
@@ -66,6 +67,37 @@ TEST_F(merge_command_test, the_image_of_the_parts_is_that_of_their_joined_checkp
   const fs::path png = directory / "image.png";
   EXPECT_EQ(merge_them({"-o", png.string()}).out, png.string() + "\n");
   EXPECT_TRUE(fs::exists(png));
+}
+
+// Of three parts the one that gives a layer is the first that has it, in whatever order they are named.
+TEST_F(merge_command_test, layers_that_the_first_part_lacks_are_those_of_the_next_one_that_has_them) {
+  Checkpoint none = first, early = second, late = random_checkpoint({{64, 16}}, 3);
+  none.layers.clear();
+  early.layers[0].values[0] = 7.0f;
+  late.layers[0].values[0] = 8.0f;
+  const std::string c = directory / "c.checkpoint";
+  write_checkpoint(a, none);
+  write_checkpoint(b, early);
+  write_checkpoint(c, late);
+  for (const auto& [x, y, z] : {std::array{a, b, c}, {c, a, b}, {a, c, b}, {c, b, a}}) {
+    fs::remove(joined_file);
+    ASSERT_EQ(run_oclair({"merge", x, y, z, "--checkpoint", joined_file.string()}).exit, 0);
+    expect_same_layers(read_checkpoint(joined_file).layers, early.layers);
+  }
+}
+
+TEST_F(merge_command_test, samples_that_the_standard_error_lacks_are_counted_in_a_warning) {
+  const std::string c = directory / "c.checkpoint";
+  write_checkpoint(c, random_checkpoint({{64, 15}}, 3));
+  const ProgramResult result = run_oclair({"merge", c, a, b, "-o", image.string()});
+  EXPECT_EQ(result.exit, 0);
+  EXPECT_TRUE(contains(result.err, "19 of the 67 samples per pixel count in the image and not in its standard error, since a range "
+                                   "(0:52 64:15) holds no multiple of 16\n"))
+      << result.err;
+  write_checkpoint(b, random_checkpoint({{32, 48}}, 2));
+  const ProgramResult whole = merge_them({"-o", image.string()});
+  EXPECT_EQ(whole.exit, 0);
+  EXPECT_FALSE(contains(whole.err, "standard error")) << whole.err;
 }
 
 TEST_F(merge_command_test, a_part_may_become_the_whole) {

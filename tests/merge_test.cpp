@@ -142,11 +142,24 @@ TEST(merge_test, one_part_is_its_own_merge) {
 TEST(merge_test, what_does_not_depend_on_samples_is_that_of_the_first_sample) {
   Checkpoint a = random_checkpoint({{32, 16}}, 1), b = random_checkpoint({{0, 16}}, 2);
   b.head.attributes = {{"device", "another"}};
-  b.layers = {{"uv.U", std::vector<float>(6, 0.25f)}};
+  b.layers[0].values[0] = 9.0f;
   for (const Checkpoint& sum : {merge({a, b}), merge({b, a})}) {
     expect_same_head(sum.head, b.head);
     expect_same_layers(sum.layers, b.layers);
   }
+}
+
+// In the order in which one render with all of them has them; of one that two parts have, the first sample's.
+TEST(merge_test, layers_are_those_of_all_parts) {
+  const auto layer = [](const char* name, float value) { return Layer{name, std::vector<float>(6, value)}; };
+  Checkpoint a = random_checkpoint({{0, 16}}, 1), b = random_checkpoint({{16, 16}}, 2), c = random_checkpoint({{32, 16}}, 3);
+  a.layers = {layer("depth.Z", 1), layer("uv.U", 1), layer("uv.V", 2)};
+  b.layers = {layer("albedo.R", 3), layer("albedo.G", 4), layer("albedo.B", 5), layer("depth.Z", 6), layer("primitive.id", 7)};
+  c.layers = {};
+  const std::vector<Layer> expected = {layer("albedo.R", 3), layer("albedo.G", 4), layer("albedo.B", 5), layer("depth.Z", 1),
+                                       layer("uv.U", 1),     layer("uv.V", 2),     layer("primitive.id", 7)};
+  for (const std::vector<Checkpoint>& parts : {std::vector{a, b, c}, {c, b, a}, {b, a, c}, {c, a, b}})
+    expect_same_layers(merge(parts).layers, expected);
 }
 
 TEST(merge_test, overlapping_samples_are_refused_with_both_ranges) {

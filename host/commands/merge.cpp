@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <numeric>
 
 #include "../checkpoint.h"
 #include "../checkpoint_lock.h"
@@ -27,9 +28,26 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   std::vector<Checkpoint> heads;
   for (const std::string& part : parts) heads.push_back(read_checkpoint_head(part));
   require_mergeable(heads, parts);
-  Checkpoint sum = read_checkpoint(parts.front());
-  for (std::size_t i = 1; i < parts.size(); ++i) add_samples(sum, read_checkpoint(parts[i]), parts[i]);
+  // In the order of their samples: what several parts have and only one can give is then the first one's, however they are named.
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return heads[a].ranges.front().first < heads[b].ranges.front().first; });
+  Checkpoint sum = read_checkpoint(parts[order.front()]);
+  for (std::size_t i = 1; i < order.size(); ++i) add_samples(sum, read_checkpoint(parts[order[i]]), parts[order[i]]);
   return sum;
+}
+
+// Samples of replicas that are not complete; empty: there are none.
+std::string replica_warning(const Checkpoint& sum) {
+  const std::uint64_t outside = sum.film.samples - sum.film.replicas * REPLICA_SAMPLES;
+  if (outside == 0) return "";
+  std::string ranges;
+  for (const SampleRange& range : sum.ranges)
+    if (range.count % REPLICA_SAMPLES != 0) ranges += (ranges.empty() ? "" : " ") + to_string(range);
+  return std::to_string(outside) + " of the " + std::to_string(sum.film.samples) +
+         " samples per pixel count in the image and not in its standard error, since a range (" + ranges +
+         ") holds no multiple of " + std::to_string(REPLICA_SAMPLES);
 }
 
 // A pattern may have put a part where the result is to go.
@@ -60,6 +78,7 @@ Exit merge_files(const MergeOptions& options) {
                [&] { if (options.checkpoint) write_checkpoint(*options.checkpoint, sum); }});
   progress.end();
   if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
+  if (const std::string warning = replica_warning(sum); !warning.empty()) progress.warning(warning);
   if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
   print_files(options.images);
   return Exit::success;

@@ -59,6 +59,7 @@ struct InfoOptions {
 Exit render(const RenderOptions& options);
 Exit info(const InfoOptions& options);
 Exit info_image(const std::filesystem::path& image);  // instead, if the file is one
+Exit info_checkpoint(const std::filesystem::path& checkpoint);  // likewise
 Exit devices();
 
 // A command as the command line knows it.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "../checkpoint.h"
 #include "../image_info.h"
 #include "../render.h"
 #include "../variant.h"
@@ -59,6 +60,7 @@ void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
 
 Exit info(const InfoOptions& options) {
   if (is_exr(options.scene)) return info_image(options.scene);
+  if (begins_like_checkpoint(options.scene) || options.scene.extension() == ".checkpoint") return info_checkpoint(options.scene);
   const Device device = open_device(options.device);
   World world = read_scene(options.scene, options.definitions, {options.size, {}});
   print_warnings(world, std::cerr);
@@ -85,7 +87,7 @@ Exit info(const InfoOptions& options) {
 
 Command info_command(CLI::App& program) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires, or what an OpenEXR image holds");
+  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires, or what an OpenEXR image or a checkpoint holds");
   add_scene(line, options->scene, options->definitions);
   line.add_option_function<std::string>(
           "--size", [options](const std::string& given) { options->size = film_size("--size", given); }, "film in pixels, as for render")

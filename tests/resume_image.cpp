@@ -130,6 +130,41 @@ TEST_F(resume_image, a_render_that_is_given_more_samples_ends_with_the_bits_of_o
   expect_same_files("grown", "whole");
 }
 
+// The checkpoint says that another device made it, or another driver, or does not say.
+TEST_F(resume_image, going_on_with_another_device_or_driver_is_warned_of_with_both) {
+  ASSERT_EQ(run_oclair(render("a", {"--spp", "2"})).exit, 0);
+  const Checkpoint own = read_checkpoint(checkpoint_of("a"));
+  const auto text_of = [&](const std::string& name) {
+    for (const auto& [entry, value] : own.head.attributes)
+      if (entry == name) return value;
+    return std::string("absent");
+  };
+  const std::string device = text_of("device"), driver = text_of("driver"), samples = ": the samples are as good, but their bits may differ\n";
+  const auto resumed = [&](const std::string& other_device, const std::string& other_driver) {
+    Checkpoint changed = own;
+    for (auto& [name, value] : changed.head.attributes) {
+      if (name == "device") value = other_device;
+      if (name == "driver") value = other_driver;
+    }
+    write_checkpoint(checkpoint_of("a"), changed);
+    const ProgramResult result = run_oclair(render("a", {"--spp", "3", "--resume"}));
+    EXPECT_EQ(result.exit, 0) << result.err;
+    return result.err;
+  };
+  const std::string goes_on = " and goes on with " + device + " (" + driver + ")" + samples;
+  EXPECT_EQ(resumed(device, driver).find("goes on"), std::string::npos);
+  for (const auto& [d, v] : {std::pair<std::string, std::string>{"Abacus 9", driver}, {device, "Beads 1.0"}, {"two\nlines", "Beads"}}) {
+    const std::string err = resumed(d, v), one_line = d == "two\nlines" ? "two?lines" : d;
+    EXPECT_NE(err.find("a.checkpoint: was rendered by " + one_line + " (" + v + ")" + goes_on), std::string::npos) << err;
+  }
+  Checkpoint silent = own;
+  silent.head.attributes.clear();
+  write_checkpoint(checkpoint_of("a"), silent);
+  const ProgramResult result = run_oclair(render("a", {"--spp", "3", "--resume"}));
+  EXPECT_EQ(result.exit, 0);
+  EXPECT_NE(result.err.find("was rendered by an unknown device" + goes_on), std::string::npos) << result.err;
+}
+
 TEST_F(resume_image, a_checkpoint_of_another_render_is_refused_with_all_that_differs_and_kept) {
   ASSERT_EQ(run_oclair(render("a", {"--spp", "2", "--sampler", "independent"})).exit, 0);
   const std::string before = content(checkpoint_of("a"));

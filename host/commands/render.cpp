@@ -70,9 +70,9 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"approximations", approximation_names(scene)}};
 }
 
-// Throws unless the checkpoint is one of this render; whether it is to be kept at the end.
-bool require_resumable(const fs::path& path, const SampleRange& wanted, const Checkpoint& state) {
-  const Checkpoint earlier = read_checkpoint_head(path);
+// Throws unless the checkpoint is one of this render. Its head.
+Checkpoint require_resumable(const fs::path& path, const SampleRange& wanted, const Checkpoint& state) {
+  Checkpoint earlier = read_checkpoint_head(path);
   require_same(with_film(state), with_film(earlier), path.string());
   const SampleRange& range = earlier.ranges.front();
   if (earlier.ranges.size() > 1)
@@ -83,7 +83,24 @@ bool require_resumable(const fs::path& path, const SampleRange& wanted, const Ch
   if (range.count > wanted.count)
     throw Error(Exit::render_failed, path.string() + ": holds " + std::to_string(range.count) + " samples per pixel, expected at most the " +
                                  std::to_string(wanted.count) + " that are wanted");
-  return earlier.kept;
+  return earlier;
+}
+
+// "DEVICE (DRIVER)", if the head knows it.
+std::string device_of(const ImageHead& head) {
+  std::string device, driver;
+  for (const auto& [name, value] : head.attributes)
+    if (name == "device") device = value;
+    else if (name == "driver") driver = value;
+  return device.empty() ? "an unknown device" : one_line(device + " (" + driver + ")");
+}
+
+// Samples of two devices go together, but their sum is not what either of them would have computed. Empty: there is one.
+std::string device_warning(const fs::path& checkpoint, const ImageHead& earlier, const ImageHead& now) {
+  const std::string before = device_of(earlier), here = device_of(now);
+  if (before == here) return "";
+  return checkpoint.string() + ": was rendered by " + before + " and goes on with " + here +
+         ": the samples are as good, but their bits may differ";
 }
 
 // What was asked for has been reached: the error, or else the samples, or else the time.
@@ -164,7 +181,12 @@ Exit render(const RenderOptions& options) {
   state.film.height = scene.settings.crop_height;
   state.film.exponent = scene.settings.film_exponent;
   state.kept = options.keep_checkpoint;
-  if (resumes && require_resumable(options.checkpoint, wanted, state)) state.kept = true;
+  if (resumes) {
+    const Checkpoint earlier = require_resumable(options.checkpoint, wanted, state);
+    state.kept = state.kept || earlier.kept;
+    if (const std::string warning = device_warning(options.checkpoint, earlier.head, state.head); !warning.empty())
+      progress.warning(warning);
+  }
   const Bvh bvh = build_bvh(scene, device.bvh_width);
   scene.positions = {};
   scene.triangles = {};

@@ -13,6 +13,8 @@ namespace oclair {
 namespace {
 
 constexpr double PI = glm::pi<double>();
+// film_accepts tells what the film takes by the exponents of normal floats. Below this, floats end before the film's last bit does.
+constexpr int least_film_exponent = -126 - FILM_HEADROOM_BITS;
 
 double area_of(const Light& triangle) {
   return 0.5 * glm::length(glm::cross(unpack(triangle.edge1), unpack(triangle.edge2)));
@@ -187,6 +189,7 @@ void LightPlacer::finish() {
   }
   // The film is laid out for what is lit; its headroom of 2^40 must also hold a small bright light seen directly.
   std::frexp(std::max(illumination_, std::ldexp(brightest_, -30)), &settings.film_exponent);
+  settings.film_exponent = std::max(settings.film_exponent, least_film_exponent);
 }
 
 }  // namespace oclair

@@ -216,6 +216,20 @@ TEST(scene_test, the_film_exponent_is_that_of_the_illumination) {
   }
 }
 
+// Floats of 2^-126 and more are told by their exponents: those are the first that the film of this exponent does not take.
+TEST(scene_test, the_film_exponent_is_at_least_that_whose_headroom_ends_at_the_smallest_normal_float) {
+  for (const double size : {1.0, 1e-3, 1e-9}) {
+    World world;
+    add_frame_box(world);
+    add_quad(add_shape(world, diffuse(0.0), Sides::front).mesh, {0, 0, 0}, {size, 0, 0}, {0, size, 0});
+    world.shapes.back().radiance = glm::dvec3(1e-45);
+    const double light = std::max(std::ldexp(size * size, -2 * place_scene(world).frame.exponent), 0x1p-30) * 1e-45;
+    const int e = place_scene(world).settings.film_exponent;
+    EXPECT_EQ(e, std::max(-126 - FILM_HEADROOM_BITS, std::ilogb(light) + 1)) << size;
+    EXPECT_EQ(e == -126 - FILM_HEADROOM_BITS, size < 1.0);
+  }
+}
+
 // Its own radiance must stay below the film's headroom of 2^40, with room for a path's throughput.
 TEST(scene_test, a_tiny_light_of_any_radiance_fits_the_film_when_it_is_seen_directly) {
   for (const double size : {1e-3, 1e-9, 1e-15}) {

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <iostream>
+#include <limits>
 #include <system_error>
 
 #include "../checkpoint_lock.h"
@@ -126,6 +127,12 @@ void remove_checkpoint(const fs::path& path) {
   if (fs::is_regular_file(path, ignored)) fs::remove(fs::weakly_canonical(path, ignored), ignored);
 }
 
+// Where all that is lit has fewer digits than float32 should have, down to none. Empty: there is enough light, or none at all.
+std::string light_warning(const Settings& settings) {
+  if (settings.light_count == 0 || settings.film_exponent >= std::numeric_limits<float>::min_exponent) return "";
+  return "the lights are so weak that what they light is below the smallest normal float, 1.2e-38, and loses digits: expected more light";
+}
+
 std::string options_text(const RenderOptions& options, const Scene& scene) {
   std::string text = "maxDepth=" + std::to_string(scene.settings.max_depth);
   for (const auto& [name, value] : options.definitions) text += " -D" + name + "=" + value;
@@ -175,6 +182,7 @@ Exit render(const RenderOptions& options) {
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
   scene.exact_kernel = options.exact_kernel;
+  if (const std::string warning = light_warning(scene.settings); !warning.empty()) progress.warning(warning);
   state.identity = identity_of(scene, hash);
   state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), options_text(options, scene)}, scene, device);
   state.film.width = scene.settings.crop_width;

@@ -28,8 +28,6 @@ double sequence_width(double n, double alpha) {
   return std::sqrt(2.0 * q / (n * n * r2) * std::log1p(std::sqrt(q) / (2.0 * alpha)));
 }
 
-std::size_t cells_across(uint pixels) { return (pixels + cell_side - 1) / cell_side; }
-
 std::string format(const char* pattern, double a, double b, double c) {
   char line[200];
   std::snprintf(line, sizeof line, pattern, a, b, c);
@@ -60,15 +58,15 @@ void ErrorMonitor::add(const Film& film) {
     return;
   }
   pair_begun_ = false;
-  const std::size_t row_of_cells = cells_across(film.width);
-  std::vector<double> cells(row_of_cells * cells_across(film.height), 0.0);
+  const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
+  std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
   double y = 0.0;
   for (std::size_t row = 0, i = 0; row < film.height; ++row)
     for (std::size_t column = 0; column < film.width; ++column, ++i) {
       auto difference = take_block(film, i);
       for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
-      const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
-      pixels_[i].first[0] = static_cast<float>(variance);
+      const double variance = 0.5 * square(difference), weighted = static_cast<double>(pixels_[i].weight) * variance;
+      pixels_[i].largest = std::max(pixels_[i].largest, static_cast<float>(variance));
       if (!black_) pixels_[i].variance_sum += variance;
       y += weighted;
       cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
@@ -84,17 +82,6 @@ void ErrorMonitor::add(const Film& film) {
   }
   samples_ = film.samples;
   set_weights(film);
-  if (pairs_ == 0 && !black_) largest_burst_ = burst_before_ = burst_of_last_pair(film);
-}
-
-// The largest share of a cell in the noise of the pair that has just ended, with the weights of today.
-double ErrorMonitor::burst_of_last_pair(const Film& film) const {
-  const std::size_t row_of_cells = cells_across(film.width);
-  std::vector<double> cells(row_of_cells * cells_across(film.height), 0.0);
-  for (std::size_t row = 0, i = 0; row < film.height; ++row)
-    for (std::size_t column = 0; column < film.width; ++column, ++i)
-      cells[row / cell_side * row_of_cells + column / cell_side] += pixels_[i].weight * static_cast<double>(pixels_[i].first[0]);
-  return *std::max_element(cells.begin(), cells.end()) / static_cast<double>(pixels_.size());
 }
 
 // Takes the film as where the next pair begins.
@@ -119,11 +106,13 @@ void ErrorMonitor::set_weights(const Film& film) {
   const double floor = floor_share * square(mean);
   black_ = !(floor > 0.0);
   if (floor > most_growth * sequence_floor_) begin_sequence(floor);
-  variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
+  variance_mean_ = variance_square_mean_ = variance_most_ = pixel_burst_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
-    pixel.weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
-    const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
+    const double weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
+    pixel.weight = static_cast<float>(weight);
+    pixel_burst_ = std::max(pixel_burst_, weight * static_cast<double>(pixel.largest) / count);
+    const double variance = pairs_ > 0 ? weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
@@ -135,7 +124,7 @@ void ErrorMonitor::begin_sequence(double floor) {
   spent_sequences_ += pairs_ >= pairs_needed();
   sequence_floor_ = floor;
   pairs_ = 0;
-  mean_ = square_sum_ = largest_burst_ = burst_before_ = 0.0;
+  mean_ = square_sum_ = largest_burst_ = 0.0;
   for (Pixel& pixel : pixels_) pixel.variance_sum = 0.0;
 }
 
@@ -183,8 +172,7 @@ double ErrorMonitor::alpha() const {
 }
 
 double ErrorMonitor::burst_share() const {
-  const double seen = burst_before_ + mean_ * static_cast<double>(pairs_);
-  return seen > 0.0 ? largest_burst_ / seen : 0.0;
+  return mean_ > 0.0 ? std::max(largest_burst_, pixel_burst_) / (mean_ * static_cast<double>(pairs_)) : 0.0;
 }
 
 std::optional<double> ErrorMonitor::estimate() const {

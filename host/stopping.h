@@ -41,10 +41,11 @@ class ErrorMonitor {
   struct Pixel {
     std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
     std::uint64_t rejected;       // up to the last film
-    std::array<float, 3> first;   // mean of the first block of a pair; between pairs, first[0]: variance of the last one
+    std::array<float, 3> first;   // mean of the first block of a pair
     bool unknown;                 // all samples of a block were left out
-    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
-    double variance_sum;          // over the pairs of the sequence: |difference of two block means|^2 / 2, without weight
+    float largest;                // of all pairs, in earlier sequences too: |difference of two block means|^2 / 2
+    float weight;                 // 1 / (|mu|^2 + floor), from what was known before the pair
+    double variance_sum;          // over the pairs of the sequence: that, without weight
   };
 
   void rebase(const Film& film);
@@ -55,7 +56,6 @@ class ErrorMonitor {
   std::uint64_t pairs_needed() const;
   double alpha() const;
   double burst_share() const;
-  double burst_of_last_pair(const Film& film) const;
 
   double target_, confidence_;
   std::uint64_t block_;
@@ -73,9 +73,8 @@ class ErrorMonitor {
   std::uint64_t pairs_ = 0;
   double mean_ = 0, square_sum_ = 0;  // running mean, sum of squared distances from it (Welford 1962)
   double largest_burst_ = 0;          // share of one Y that one cell of 8 x 8 pixels brought, times that Y
-  double burst_before_ = 0;           // that of the pair that ended the sequence before, with the weights of this one
-  // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum.
-  double variance_mean_ = 0, variance_square_mean_ = 0, variance_most_ = 0;
+  // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum; largest of one pair.
+  double variance_mean_ = 0, variance_square_mean_ = 0, variance_most_ = 0, pixel_burst_ = 0;
 };
 
 }  // namespace oclair

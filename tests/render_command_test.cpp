@@ -175,6 +175,25 @@ TEST(render_command_test, a_scene_without_light_is_black_and_says_so) {
   for (float value : file.channels.at("R")) EXPECT_EQ(value, 0.0f);
 }
 
+// A lamp so far away that what arrives is 1e-42: some hundred of the smallest numbers.
+TEST(render_command_test, light_that_is_too_weak_for_float_has_a_warning_and_a_picture) {
+  const TemporaryDirectory directory;
+  const fs::path scene =
+      write(directory / "weak.xml",
+            "<scene version=\"3.0.0\">\n<integrator type=\"path\"/>\n<sensor type=\"perspective\"><float name=\"fov\" value=\"20\"/>"
+            "<transform name=\"to_world\"><lookat origin=\"0,0,4\" target=\"0,0,0\" up=\"0,1,0\"/></transform></sensor>\n"
+            "<shape type=\"sphere\"/>\n<emitter type=\"point\"><point name=\"position\" x=\"0\" y=\"0\" z=\"1e6\"/>"
+            "<rgb name=\"intensity\" value=\"$intensity\"/></emitter>\n</scene>");
+  const fs::path exr = directory / "weak.exr";
+  for (const auto& [intensity, warned] : {std::pair("1e-30", true), {"1e-20", false}}) {
+    const ProgramResult result = run_oclair({"render", scene.string(), "-o", exr.string(), "--spp", "1", "--size", "4x4", "-D",
+                                             std::string("intensity=") + intensity});
+    EXPECT_EQ(result.exit, 0) << result.err;
+    EXPECT_EQ(result.err.find("is below the smallest normal float, 1.2e-38, and loses digits") != std::string::npos, warned) << result.err;
+    for (const float value : read_exr(exr).channels.at("R")) EXPECT_GT(value, 0.0f);
+  }
+}
+
 TEST(render_command_test, moments_are_channels_named_like_the_nested_integrator) {
   const TemporaryDirectory directory;
   const fs::path scene = write(directory / "moment.xml",

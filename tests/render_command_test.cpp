@@ -190,7 +190,8 @@ TEST(render_command_test, light_that_is_too_weak_for_float_has_a_warning_and_a_p
                                              std::string("intensity=") + intensity});
     EXPECT_EQ(result.exit, 0) << result.err;
     EXPECT_EQ(result.err.find("is below the smallest normal float, 1.2e-38, and loses digits") != std::string::npos, warned) << result.err;
-    for (const float value : read_exr(exr).channels.at("R")) EXPECT_GT(value, 0.0f);
+    const ExrFile file = read_exr(exr);
+    for (const float value : file.channels.at("R")) EXPECT_GT(value, 0.0f);
   }
 }
 

@@ -65,8 +65,8 @@ void ErrorMonitor::add(const Film& film) {
     for (std::size_t column = 0; column < film.width; ++column, ++i) {
       auto difference = take_block(film, i);
       for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
-      const double variance = 0.5 * square(difference), weighted = static_cast<double>(pixels_[i].weight) * variance;
-      pixels_[i].largest = std::max(pixels_[i].largest, static_cast<float>(variance));
+      const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+      pixels_[i].largest = std::max(pixels_[i].largest, variance);
       if (!black_) pixels_[i].variance_sum += variance;
       y += weighted;
       cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
@@ -109,10 +109,9 @@ void ErrorMonitor::set_weights(const Film& film) {
   variance_mean_ = variance_square_mean_ = variance_most_ = pixel_burst_ = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     Pixel& pixel = pixels_[i];
-    const double weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
-    pixel.weight = static_cast<float>(weight);
-    pixel_burst_ = std::max(pixel_burst_, weight * static_cast<double>(pixel.largest) / count);
-    const double variance = pairs_ > 0 ? weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
+    pixel.weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
+    pixel_burst_ = std::max(pixel_burst_, pixel.weight * pixel.largest / count);
+    const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
@@ -167,7 +166,8 @@ std::uint64_t ErrorMonitor::pairs_needed() const {
 // What may go wrong in this sequence of pairs, for each of two reasons. Of all sequences together it is (1 - confidence) / 2: the first
 // one has 15/16 of that, those after it 1/32, 1/64, ... Sequences that ended before they could certify had no chance to go wrong.
 double ErrorMonitor::alpha() const {
-  const double share = spent_sequences_ == 0 ? 0.9375 : std::ldexp(1.0, -4 - static_cast<int>(std::min<std::uint64_t>(spent_sequences_, 60)));
+  const int spent = static_cast<int>(std::min<std::uint64_t>(spent_sequences_, 60));
+  const double share = spent == 0 ? 0.9375 : std::ldexp(1.0, -4 - spent);
   return 0.5 * (1.0 - confidence_) * share;
 }
 

@@ -43,8 +43,8 @@ class ErrorMonitor {
     std::uint64_t rejected;       // up to the last film
     std::array<float, 3> first;   // mean of the first block of a pair
     bool unknown;                 // all samples of a block were left out
-    float largest;                // of all pairs, in earlier sequences too: |difference of two block means|^2 / 2
-    float weight;                 // 1 / (|mu|^2 + floor), from what was known before the pair
+    double largest;               // of all pairs, in earlier sequences too: |difference of two block means|^2 / 2
+    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
     double variance_sum;          // over the pairs of the sequence: that, without weight
   };
 

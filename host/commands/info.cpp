@@ -87,7 +87,8 @@ Exit info(const InfoOptions& options) {
 
 Command info_command(CLI::App& program) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App& line = *program.add_subcommand("info", "Says what a scene holds and what it requires, or what an OpenEXR image or a checkpoint holds");
+  CLI::App& line = *program.add_subcommand(
+      "info", "Says what a scene holds and what it requires, or what an OpenEXR image or a checkpoint holds");
   add_scene(line, options->scene, options->definitions);
   line.add_option_function<std::string>(
           "--size", [options](const std::string& given) { options->size = film_size("--size", given); }, "film in pixels, as for render")

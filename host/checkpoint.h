@@ -57,8 +57,8 @@ void require_same(const Identity& expected, const Identity& found, const std::st
 void require_mergeable(std::span<const Checkpoint> heads, std::span<const std::string> names);
 
 // Adds the samples of `part`, named thus in messages; what does not depend on the samples is that of the part with the first
-// sample, and the layers that this one lacks are the other's. The sums are exact: any order of additions gives the same bits, those
-// of one render of all samples. Throws as above.
+// sample, and the layers that this one lacks are the other's. The sums are exact: any order of additions gives the same
+// bits, those of one render of all samples. Throws as above.
 void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name);
 
 }  // namespace oclair

@@ -13,7 +13,8 @@ namespace oclair {
 namespace {
 
 constexpr double PI = glm::pi<double>();
-// film_accepts tells what the film takes by the exponents of normal floats. Below this, floats end before the film's last bit does.
+// film_accepts tells what the film takes by the exponents of normal floats. Below this, floats end before the film's last
+// bit does.
 constexpr int least_film_exponent = -126 - FILM_HEADROOM_BITS;
 
 double area_of(const Light& triangle) {

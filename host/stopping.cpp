@@ -163,8 +163,9 @@ std::uint64_t ErrorMonitor::pairs_needed() const {
   return std::max(fewest_pairs, (fewest_pixel_pairs + pixels - 1) / pixels);
 }
 
-// What may go wrong in this sequence of pairs, for each of two reasons. Of all sequences together it is (1 - confidence) / 2: the first
-// one has 15/16 of that, those after it 1/32, 1/64, ... Sequences that ended before they could certify had no chance to go wrong.
+// What may go wrong in this sequence of pairs, for each of two reasons. Of all sequences together it is (1 - confidence) /
+// 2: the first one has 15/16 of that, those after it 1/32, 1/64, ... Sequences that ended before they could certify had no
+// chance to go wrong.
 double ErrorMonitor::alpha() const {
   const int spent = static_cast<int>(std::min<std::uint64_t>(spent_sequences_, 60));
   const double share = spent == 0 ? 0.9375 : std::ldexp(1.0, -4 - spent);

@@ -65,15 +65,17 @@ class ErrorMonitor {
   std::vector<Pixel> pixels_;
   std::uint64_t unknown_pixels_ = 0;
 
-  // The sequence of pairs that the bound rests on begins anew when the picture turns out to be much brighter than when it began.
-  double sequence_floor_ = 0;            // the floor of the weights when it began; 0: it has not
-  std::uint64_t spent_sequences_ = 0;    // earlier ones that were long enough to certify
+  // The sequence of pairs that the bound rests on begins anew when the picture turns out to be much brighter than when it
+  // began.
+  double sequence_floor_ = 0;          // the floor of the weights when it began; 0: it has not
+  std::uint64_t spent_sequences_ = 0;  // earlier ones that were long enough to certify
 
   // Of Y, the weighted variance of a block, mean over the pixels: one value a pair of the sequence.
   std::uint64_t pairs_ = 0;
   double mean_ = 0, square_sum_ = 0;  // running mean, sum of squared distances from it (Welford 1962)
   double largest_burst_ = 0;          // share of one Y that one cell of 8 x 8 pixels brought, times that Y
-  // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum; largest of one pair.
+  // With the weights of today, over the pixels: mean of the weighted variance, of its square, and its maximum; largest of
+  // one pair.
   double variance_mean_ = 0, variance_square_mean_ = 0, variance_most_ = 0, pixel_burst_ = 0;
 };
 

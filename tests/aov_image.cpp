@@ -314,8 +314,8 @@ TEST(aov_image, triangles_and_quadrics_have_numbers_of_their_own) {
   EXPECT_EQ(found, (std::vector<std::uint32_t>{1, 2, 3, 4, 5, 6, 7, 8, 0}));
 }
 
-// Of each sample the mask decides anew; of the primitive the larger share does. Depths tell how many samples went through; the sums of
-// 1/4 and 1 are exact in float.
+// Of each sample the mask decides anew; of the primitive the larger share does. Depths tell how many samples went through;
+// the sums of 1/4 and 1 are exact in float.
 TEST(aov_image, a_mask_is_there_as_often_as_it_is_opaque) {
   for (const double transparency : {0.25, 0.75}) {
     World world = wall(8.0, 32, 32);

@@ -31,10 +31,10 @@ void expect_promise(double deviation, const Draw& draw) {
       spread += z * z;
       covered += std::abs(z) <= 2.2010 * error;  // Student's t, 11 degrees of freedom, two-sided 95 %
     }
-  // Three comparisons in each of two tests. Sums of 16 uniform numbers have an excess kurtosis of -1.2/16: the variances of s^2, at most
-  // 2/(replicas - 1) of its square, and of z^2, at most 2, are a little smaller than a normal variable's. A sum of m terms of
-  // skewness g has its quantile at z + g (z^2 - 1)/(6 sqrt(m)) (Cornish, Fisher 1938): with g = sqrt(8) for z^2, sqrt(8/(replicas - 1)) for
-  // s^2, and 0.9/sqrt(0.95 0.05) for the count.
+  // Three comparisons in each of two tests. Sums of 16 uniform numbers have an excess kurtosis of -1.2/16: the variances of
+  // s^2, at most 2/(replicas - 1) of its square, and of z^2, at most 2, are a little smaller than a normal variable's. A sum
+  // of m terms of skewness g has its quantile at z + g (z^2 - 1)/(6 sqrt(m)) (Cornish, Fisher 1938): with g = sqrt(8) for
+  // z^2, sqrt(8/(replicas - 1)) for s^2, and 0.9/sqrt(0.95 0.05) for the count.
   const double n = 3.0 * pixels, z = z_bound(3);
   const auto quantile = [&](double skewness) { return z + skewness * (z * z - 1) / (6 * std::sqrt(n)); };
   EXPECT_NEAR(promised / n, 1.0, quantile(std::sqrt(8 / (replicas - 1.0))) * std::sqrt(2.0 / (replicas - 1.0) / n));

@@ -31,7 +31,7 @@ __kernel void accumulate(uint count, __global ulong *sums, uint limbs, __global 
   if (i < count) film_accumulate(sums + i * limbs, (int)limbs, value[i], shift[i]);
 }
 
-__kernel void split(uint count, __global const float *x, __global ulong *mantissa, __global int *power) {
+__kernel void split(uint count, __global const float* x, __global ulong* mantissa, __global int* power) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   ulong m;
@@ -40,7 +40,8 @@ __kernel void split(uint count, __global const float *x, __global ulong *mantiss
 }
 
 // carry: what comes in, then what goes on.
-__kernel void carries(uint count, __global const ulong *a, __global const ulong *b, __global ulong *carry, __global ulong *sum) {
+__kernel void carries(uint count, __global const ulong* a, __global const ulong* b, __global ulong* carry,
+                      __global ulong* sum) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   ulong c = carry[i];
@@ -49,12 +50,12 @@ __kernel void carries(uint count, __global const ulong *a, __global const ulong 
 }
 
 // Three limbs to each of three.
-__kernel void add_limbs(uint count, __global ulong *sums, __global const ulong *limbs) {
+__kernel void add_limbs(uint count, __global ulong* sums, __global const ulong* limbs) {
   size_t i = get_global_id(0);
   if (i < count) film_add_limbs(sums + 3 * i, limbs[3 * i], limbs[3 * i + 1], limbs[3 * i + 2]);
 }
 
-__kernel void add_square(uint count, __global ulong *sums, __global const ulong *low, __global const ulong *high) {
+__kernel void add_square(uint count, __global ulong* sums, __global const ulong* low, __global const ulong* high) {
   size_t i = get_global_id(0);
   if (i < count) film_add_square(sums + 3 * i, low[i], high[i]);
 }

@@ -262,7 +262,8 @@ TEST(film_test, the_limit_of_acceptance_is_finite_not_negative_and_below_the_hea
 
 TEST(film_test, a_float_is_its_mantissa_times_its_power_of_two) {
   Random random(9);
-  std::vector<float> x = {0.0f, -0.0f, 1e-45f, -1e-45f, 0x1p-126f, std::nextafter(0x1p-126f, 0.0f), 1.0f, -3.0f, 3.4028234e38f};
+  std::vector<float> x = {0.0f, -0.0f, 1e-45f,       -1e-45f, 0x1p-126f, std::nextafter(0x1p-126f, 0.0f),
+                          1.0f, -3.0f, 3.4028234e38f};
   while (x.size() < count_or_small(20000, 64)) x.push_back(any_float(random, 1000) * static_cast<float>(random.sign()));
   std::vector<cl_ulong> mantissa(x.size());
   std::vector<cl_int> power(x.size());
@@ -302,7 +303,10 @@ TEST(film_test, a_square_is_added_rounded_to_the_nearest) {
   for (std::size_t i = 0; i < n; ++i) {
     // All lengths up to what a replica's sum may have; powers of two are squares in the middle between two units.
     const int bits = static_cast<int>(i % 98);
-    const Uint128 x = (static_cast<Uint128>(1) << bits) | (i % 3 ? (static_cast<Uint128>(random.engine()) << 64 | random.engine()) & ((static_cast<Uint128>(1) << bits) - 1) : 0);
+    const Uint128 x =
+        (static_cast<Uint128>(1) << bits) |
+        (i % 3 ? (static_cast<Uint128>(random.engine()) << 64 | random.engine()) & ((static_cast<Uint128>(1) << bits) - 1)
+               : 0);
     low.push_back(static_cast<cl_ulong>(x)), high.push_back(static_cast<cl_ulong>(x >> 64));
     sums.insert(sums.end(), {random.engine(), i % 2 ? ~cl_ulong{0} : random.engine(), random.engine() >> 8});
   }
@@ -310,7 +314,8 @@ TEST(film_test, a_square_is_added_rounded_to_the_nearest) {
   run("film_test.cl", "add_square", n, out(sums), low, high);
   for (std::size_t i = 0; i < n; ++i) {
     const Uint128 x = static_cast<Uint128>(high[i]) << 64 | low[i];
-    EXPECT_EQ((Wide{sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]}), plus({before[3 * i], before[3 * i + 1], before[3 * i + 2]}, rounded_square(x)));
+    EXPECT_EQ((Wide{sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]}),
+              plus({before[3 * i], before[3 * i + 1], before[3 * i + 2]}, rounded_square(x)));
   }
 }
 
@@ -544,8 +549,8 @@ TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
       for (const __float128 s : sum) variance += (s - mean) * (s - mean) / (replicas - 1);
       const double all = static_cast<double>(samples.size());
       const double expected = std::sqrt(static_cast<double>(variance / replicas)) / REPLICA_SAMPLES * all / (all - 1);
-      // In 64 bits Q is rounded twice on its way out of its limbs, T once, T^2/n twice more: at most 2 and 4 2^-64 of Q, which
-      // is hardly more than T^2/n. Each square was rounded by half of 2^-72. The root has half of the relative error.
+      // In 64 bits Q is rounded twice on its way out of its limbs, T once, T^2/n twice more: at most 2 and 4 2^-64 of Q,
+      // which is hardly more than T^2/n. Each square was rounded by half of 2^-72. The root has half of the relative error.
       __float128 squares = 0;
       for (const __float128 s : sum) squares += s * s;
       const double lost = static_cast<double>(6 * squares) * 0x1p-64 + static_cast<double>(replicas) * 0x1p-73;

@@ -7,9 +7,10 @@ typedef struct Found {
   AovPixel sum;
 } Found;
 
-// The first surface along ray i, decided by the random numbers of sample[i] of pixel[i] or by none, and what it alone adds up to.
-__kernel void first_surfaces(uint count, SCENE_ARGUMENTS, __global const Ray *rays, __global const uint *pixel,
-                             __global const ulong *sample, uint by_chance, __global Found *results) {
+// The first surface along ray i, decided by the random numbers of sample[i] of pixel[i] or by none, and what it alone adds
+// up to.
+__kernel void first_surfaces(uint count, SCENE_ARGUMENTS, __global const Ray* rays, __global const uint* pixel,
+                             __global const ulong* sample, uint by_chance, __global Found* results) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Scene scene = SCENE_FROM_ARGUMENTS;
@@ -31,19 +32,19 @@ __kernel void first_surfaces(uint count, SCENE_ARGUMENTS, __global const Ray *ra
 }
 
 // Pixel i of the film, row by row.
-INLINE Pixel pixel_of(__global const Settings *settings, uint i) {
+INLINE Pixel pixel_of(__global const Settings* settings, uint i) {
   Pixel pixel = {i % settings->film_width, i / settings->film_width, i, true};
   return pixel;
 }
 
-__kernel void primitives(uint count, SCENE_ARGUMENTS, __global uint *results) {
+__kernel void primitives(uint count, SCENE_ARGUMENTS, __global uint* results) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Scene scene = SCENE_FROM_ARGUMENTS;
   results[i] = aov_primitive(&scene, pixel_of(settings, (uint)i));
 }
 
-__kernel void pixels(uint count, SCENE_ARGUMENTS, __global AovPixel *results) {
+__kernel void pixels(uint count, SCENE_ARGUMENTS, __global AovPixel* results) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Scene scene = SCENE_FROM_ARGUMENTS;

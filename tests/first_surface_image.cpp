@@ -1,6 +1,6 @@
-// The functions of cl/aov.h: the first surface along a ray, what it adds to its pixel, a pixel's 16 samples, and the primitive in
-// its middle; against double precision on the same floats. (No unit test with a memory check: of samplers that are passed to functions
-// out of line clang makes an intrinsic that oclgrind lacks.)
+// The functions of cl/aov.h: the first surface along a ray, what it adds to its pixel, a pixel's 16 samples, and the
+// primitive in its middle; against double precision on the same floats. (No unit test with a memory check: of samplers that
+// are passed to functions out of line clang makes an intrinsic that oclgrind lacks.)
 #include <cstring>
 #include <optional>
 
@@ -36,7 +36,9 @@ struct Placed {
   }
 
   // From one point of the world towards another.
-  Ray ray(const glm::dvec3& from, const glm::dvec3& to) const { return ray_towards(scene.frame.place(from), scene.frame.place(to)); }
+  Ray ray(const glm::dvec3& from, const glm::dvec3& to) const {
+    return ray_towards(scene.frame.place(from), scene.frame.place(to));
+  }
 
   // Ray i by the numbers of sample i % 16 of pixel i / 16, or by none.
   std::vector<Found> first_surfaces(const std::vector<Ray>& rays, bool by_chance) const {
@@ -80,7 +82,8 @@ std::optional<Met> meet(const Scene& scene, const Ray& ray) {
       doubt = std::min(doubt, before);
     }
   }
-  if (nearest.primitive == NONE) return doubt < std::numeric_limits<double>::infinity() ? std::nullopt : std::optional(nearest);
+  if (nearest.primitive == NONE)
+    return doubt < std::numeric_limits<double>::infinity() ? std::nullopt : std::optional(nearest);
   return nearest.t + error < doubt ? std::optional(nearest) : std::nullopt;
 }
 
@@ -89,13 +92,15 @@ Vector interpolated(const Vector& a, const Vector& b, const Vector& c, const Met
   return (1 - met.b1 - met.b2) * a + met.b1 * b + met.b2 * c;
 }
 
-// Triangles of all sizes in [-1, 1]^3, with texture coordinates and normals that are not theirs; the back is another material.
+// Triangles of all sizes in [-1, 1]^3, with texture coordinates and normals that are not theirs; the back is another
+// material.
 World triangles(std::size_t count) {
   Random random(1);
   World world;
   WorldShape& shape = add_shape(world, diffuse(0.25), Sides::both);
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::dvec3 at = random.in_cube(0.7), a = at + random.in_cube(0.3), b = at + random.in_cube(0.3), c = at + random.in_cube(0.3);
+    const glm::dvec3 at = random.in_cube(0.7), a = at + random.in_cube(0.3), b = at + random.in_cube(0.3),
+                     c = at + random.in_cube(0.3);
     add_triangle(shape.mesh, a, b, c);
     const glm::dvec3 front = glm::normalize(glm::cross(b - a, c - a));
     for (int k = 0; k < 3; ++k) {
@@ -169,8 +174,9 @@ World wall_of_materials(const std::vector<Material>& materials) {
 
 }  // namespace
 
-// Position: 8 u of coordinates below 1, and what the barycentric coordinates are off over the edges. Normal: seven roundings of
-// unit vectors, over the length of the interpolated one, and three of the normalisation; uv: seven of coordinates below 2.
+// Position: 8 u of coordinates below 1, and what the barycentric coordinates are off over the edges. Normal: seven roundings
+// of unit vectors, over the length of the interpolated one, and three of the normalisation; uv: seven of coordinates
+// below 2.
 TEST(first_surface_image, of_triangles_is_the_nearest_with_its_interpolated_normal_and_coordinates) {
   const Placed placed(triangles(60));
   const Scene& scene = placed.scene;
@@ -191,7 +197,8 @@ TEST(first_surface_image, of_triangles_is_the_nearest_with_its_interpolated_norm
     }
     ++hits;
     const Corners corners = corners_of(scene, met->primitive);
-    const glm::dvec3 a = unpacked(corners[0]), b = unpacked(corners[1]), c = unpacked(corners[2]), wo = -unpacked(rays[i].direction);
+    const glm::dvec3 a = unpacked(corners[0]), b = unpacked(corners[1]), c = unpacked(corners[2]),
+                     wo = -unpacked(rays[i].direction);
     const glm::dvec3 p = interpolated(a, b, c, *met), true_normal = glm::normalize(glm::cross(b - a, c - a));
     const double along = met->slack * (glm::length(b - a) + glm::length(c - a));
     const bool front = glm::dot(true_normal, wo) >= 0;
@@ -235,8 +242,9 @@ TEST(first_surface_image, of_triangles_is_the_nearest_with_its_interpolated_norm
   EXPECT_GT(substituted, hits / 200);
 }
 
-// A sphere, a disk and a cylinder side by side. Where the surface is met at an angle of cosine c the point errs by 64 u over c, in
-// lengths of the frame; normals and coordinates by that over the radius, longitudes over the distance from the axis as well.
+// A sphere, a disk and a cylinder side by side. Where the surface is met at an angle of cosine c the point errs by 64 u over
+// c, in lengths of the frame; normals and coordinates by that over the radius, longitudes over the distance from the axis as
+// well.
 TEST(first_surface_image, of_quadrics_has_their_normal_and_their_coordinates) {
   World world;
   const double radius = 0.5;
@@ -282,7 +290,8 @@ TEST(first_surface_image, of_quadrics_has_their_normal_and_their_coordinates) {
     EXPECT_LE(glm::length(unpacked(found[i].position) - p), point) << i;
     EXPECT_EQ(found[i].front != 0, cosine > 0) << i;
     EXPECT_LE(glm::length(unpacked(found[i].normal) - (cosine > 0 ? outwards : -outwards)), local + 8 * unit_roundoff) << i;
-    const double from_axis = std::hypot(q.x, q.y), turn = std::atan2(q.y, q.x) / (2 * pi), longitude = turn < 0 ? turn + 1 : turn;
+    const double from_axis = std::hypot(q.x, q.y), turn = std::atan2(q.y, q.x) / (2 * pi),
+                 longitude = turn < 0 ? turn + 1 : turn;
     const double turn_slack = local / std::max(from_axis, 1e-9) + 16 * unit_roundoff;
     const auto expect_turn = [&](double value) {  // 0 and 1 are the same place
       EXPECT_LE(std::abs(std::remainder(value - longitude, 1.0)), turn_slack) << i;
@@ -298,7 +307,7 @@ TEST(first_surface_image, of_quadrics_has_their_normal_and_their_coordinates) {
 TEST(first_surface_image, a_mask_counts_by_no_chance_if_it_is_at_least_half_opaque) {
   const float above_half = std::nextafter(0.5f, 1.0f);
   const std::vector<std::pair<std::vector<double>, std::size_t>> table = {
-      {{0.0, 0.0}, 0}, {{0.5, 0.0}, 0},        {{above_half, 0.0}, 1}, {{1.0, 0.5}, 1}, {{0.75, 0.6, 0.25, 0.0}, 2},
+      {{0.0, 0.0}, 0}, {{0.5, 0.0}, 0},     {{above_half, 0.0}, 1}, {{1.0, 0.5}, 1}, {{0.75, 0.6, 0.25, 0.0}, 2},
       {{1.0, 1.0}, 2}, {{1.0, 0.9, 0.8}, 3}};
   for (const auto& [transparencies, expected] : table) {
     const Placed placed(walls(transparencies));
@@ -328,8 +337,7 @@ TEST(first_surface_image, a_mask_is_met_as_often_as_it_is_opaque_and_those_behin
 
 TEST(first_surface_image, what_is_wholly_transparent_is_never_met_and_what_is_opaque_always) {
   const Placed placed(walls({1.0, 1.0, 0.0, 0.0}));
-  for (const Found& found : placed.first_surfaces(rays_through_walls(placed, 4000), true))
-    ASSERT_EQ(wall_of(found, 4), 2u);
+  for (const Found& found : placed.first_surfaces(rays_through_walls(placed, 4000), true)) ASSERT_EQ(wall_of(found, 4), 2u);
 }
 
 // A path ends at its 4096th passage. The sheets lie 1/512 apart, so that the frame's rounding cannot confuse them.
@@ -357,7 +365,8 @@ TEST(first_surface_image, a_light_is_a_surface_unless_lights_are_hidden) {
     world.shapes[0].radiance = glm::dvec3(2.0);
     world.integrator.hide_emitters = hidden;
     const Placed placed(world);
-    for (const Found& found : placed.first_surfaces(rays_through_walls(placed, 32), true)) EXPECT_EQ(wall_of(found, 2), hidden ? 1u : 0u);
+    for (const Found& found : placed.first_surfaces(rays_through_walls(placed, 32), true))
+      EXPECT_EQ(wall_of(found, 2), hidden ? 1u : 0u);
   }
 }
 
@@ -384,8 +393,8 @@ TEST(first_surface_image, of_a_blend_the_heavier_material_counts_by_no_chance) {
 }
 
 TEST(first_surface_image, of_blends_within_blends_one_and_the_same_counts_by_no_chance) {
-  const Placed placed(wall_of_materials({blend(0.5, 1, 2), blend(0.4, 3, 4), blend(0.7, 5, 6), diffuse(0.1), diffuse(0.2),
-                                         diffuse(0.3), diffuse(0.4)}));
+  const Placed placed(wall_of_materials(
+      {blend(0.5, 1, 2), blend(0.4, 3, 4), blend(0.7, 5, 6), diffuse(0.1), diffuse(0.2), diffuse(0.3), diffuse(0.4)}));
   const std::vector<Found> found = placed.first_surfaces(rays_through_walls(placed, 64), false);
   for (const Found& f : found) EXPECT_EQ(f.sum.albedo.x, found[0].sum.albedo.x);
 }
@@ -440,7 +449,8 @@ TEST(first_surface_image, textures_say_colour_and_opacity_where_the_surface_is_m
   }
 }
 
-// Masks, blends, a thin lens and pixels in which some samples meet nothing: float sums in the order of the samples, bit for bit.
+// Masks, blends, a thin lens and pixels in which some samples meet nothing: float sums in the order of the samples, bit for
+// bit.
 TEST(first_surface_image, a_pixel_is_the_sum_of_its_first_16_samples_in_their_order) {
   World world = triangles(12);
   world.materials[0] = blend(0.5, 2, 3);
@@ -456,8 +466,9 @@ TEST(first_surface_image, a_pixel_is_the_sum_of_its_first_16_samples_in_their_or
   std::vector<Ray> rays;
   for (cl_uint p = 0; p < pixels; ++p) {
     std::vector<Ray> of_pixel(AOV_SAMPLES);
-    run("camera_test.cl", "samples", AOV_SAMPLES, std::vector<Camera>{placed.scene.camera}, std::vector<Settings>{placed.scene.settings},
-        placed.scene.filter, cl_uint{p % width}, cl_uint{p / width}, out(of_pixel));
+    run("camera_test.cl", "samples", AOV_SAMPLES, std::vector<Camera>{placed.scene.camera},
+        std::vector<Settings>{placed.scene.settings}, placed.scene.filter, cl_uint{p % width}, cl_uint{p / width},
+        out(of_pixel));
     rays.insert(rays.end(), of_pixel.begin(), of_pixel.end());
   }
   const std::vector<Found> found = placed.first_surfaces(rays, true);
@@ -488,7 +499,8 @@ TEST(first_surface_image, a_pixel_is_the_sum_of_its_first_16_samples_in_their_or
   EXPECT_GT(full, 0u);
 }
 
-// The lens is so wide that hardly a sample's ray is that of the middle; the one through the middle of the lens is the pinhole's.
+// The lens is so wide that hardly a sample's ray is that of the middle; the one through the middle of the lens is the
+// pinhole's.
 TEST(first_surface_image, the_primitive_is_that_of_the_pinhole_through_the_middle_of_the_pixel) {
   World world = triangles(60);
   world.camera.aperture_radius = 1.0;
@@ -502,8 +514,8 @@ TEST(first_surface_image, the_primitive_is_that_of_the_pinhole_through_the_middl
   for (std::size_t p = 0; p < pixels; ++p) {
     const double x = static_cast<double>(p % world.film.width) + 0.5, y = static_cast<double>(p / world.film.width) + 0.5;
     const glm::dvec3 along = unpacked(camera.corner) + x * unpacked(camera.step_x) + y * unpacked(camera.step_y);
-    // The device's ray starts at the box and errs by some u more than this one: rays are compared that a relative change of 1e-5
-    // in their direction takes nowhere else.
+    // The device's ray starts at the box and errs by some u more than this one: rays are compared that a relative change of
+    // 1e-5 in their direction takes nowhere else.
     std::optional<Met> met;
     bool sure = true;
     for (const glm::dvec3& d : {glm::dvec3(0, 0, 0), glm::dvec3(1e-5, 0, 0), glm::dvec3(-1e-5, 0, 0), glm::dvec3(0, 1e-5, 0),

@@ -20,7 +20,8 @@ class info_checkpoint_test : public testing::Test {
   static void expect_lines(const ProgramResult& result, const std::vector<std::string>& lines) {
     EXPECT_EQ(result.exit, 0) << result.err;
     EXPECT_EQ(result.err, "");
-    for (const std::string& line : lines) EXPECT_NE(result.out.find(line + "\n"), std::string::npos) << line << " is missing in\n" << result.out;
+    for (const std::string& line : lines)
+      EXPECT_NE(result.out.find(line + "\n"), std::string::npos) << line << " is missing in\n" << result.out;
   }
 
   // One line that names the file and ends thus; nothing on standard output.
@@ -43,12 +44,14 @@ TEST_F(info_checkpoint_test, prints_all_that_the_checkpoint_says_of_itself) {
   checkpoint.head.attributes.emplace_back("device", "an\nabacus");
   checkpoint.layers.push_back({"primitive.id", std::vector<float>(6)});
   write_checkpoint(file, checkpoint);
-  expect_lines(info(), {"checkpoint          " + file, "scene               0123456789abcdef", "seed                7",
-                        "program             9.8.7", "film                3x2 at 2,4 of 5x7, exponent -3, with second moments",
-                        "samples             0:32", "samples             48:20", "samples per pixel   52, 3 complete replicas",
-                        "rejected samples    " + std::to_string(rejected_samples(checkpoint.film)), "rays                123456789012",
-                        "layer               albedo.R", "layer               primitive.id", "header              software: oclair",
-                        "header              device: an?abacus", "kept                yes: stays when its render is done"});
+  expect_lines(
+      info(),
+      {"checkpoint          " + file, "scene               0123456789abcdef", "seed                7",
+       "program             9.8.7", "film                3x2 at 2,4 of 5x7, exponent -3, with second moments",
+       "samples             0:32", "samples             48:20", "samples per pixel   52, 3 complete replicas",
+       "rejected samples    " + std::to_string(rejected_samples(checkpoint.film)), "rays                123456789012",
+       "layer               albedo.R", "layer               primitive.id", "header              software: oclair",
+       "header              device: an?abacus", "kept                yes: stays when its render is done"});
 }
 
 TEST_F(info_checkpoint_test, a_checkpoint_is_one_by_what_it_holds_whatever_its_name) {
@@ -57,7 +60,8 @@ TEST_F(info_checkpoint_test, a_checkpoint_is_one_by_what_it_holds_whatever_its_n
   checkpoint.head.film = {3, 2, 0, 0, 3, 2};
   const std::string other = directory / "scene.xml";
   write_checkpoint(other, checkpoint);
-  expect_lines(run_oclair({"info", other}), {"film                3x2, exponent -3", "kept                no: goes when its render is done"});
+  expect_lines(run_oclair({"info", other}),
+               {"film                3x2, exponent -3", "kept                no: goes when its render is done"});
 }
 
 TEST_F(info_checkpoint_test, a_broken_one_is_refused_with_what_is_broken) {

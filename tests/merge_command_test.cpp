@@ -91,8 +91,9 @@ TEST_F(merge_command_test, samples_that_the_standard_error_lacks_are_counted_in_
   write_checkpoint(c, random_checkpoint({{64, 15}}, 3));
   const ProgramResult result = run_oclair({"merge", c, a, b, "-o", image.string()});
   EXPECT_EQ(result.exit, 0);
-  EXPECT_TRUE(contains(result.err, "19 of the 67 samples per pixel count in the image and not in its standard error, since a range "
-                                   "(0:52 64:15) holds no multiple of 16\n"))
+  EXPECT_TRUE(contains(result.err,
+                       "19 of the 67 samples per pixel count in the image and not in its standard error, since a range "
+                       "(0:52 64:15) holds no multiple of 16\n"))
       << result.err;
   write_checkpoint(b, random_checkpoint({{32, 48}}, 2));
   const ProgramResult whole = merge_them({"-o", image.string()});

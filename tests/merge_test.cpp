@@ -154,10 +154,12 @@ TEST(merge_test, layers_are_those_of_all_parts) {
   const auto layer = [](const char* name, float value) { return Layer{name, std::vector<float>(6, value)}; };
   Checkpoint a = random_checkpoint({{0, 16}}, 1), b = random_checkpoint({{16, 16}}, 2), c = random_checkpoint({{32, 16}}, 3);
   a.layers = {layer("depth.Z", 1), layer("uv.U", 1), layer("uv.V", 2)};
-  b.layers = {layer("albedo.R", 3), layer("albedo.G", 4), layer("albedo.B", 5), layer("depth.Z", 6), layer("primitive.id", 7)};
+  b.layers = {layer("albedo.R", 3), layer("albedo.G", 4), layer("albedo.B", 5), layer("depth.Z", 6),
+              layer("primitive.id", 7)};
   c.layers = {};
-  const std::vector<Layer> expected = {layer("albedo.R", 3), layer("albedo.G", 4), layer("albedo.B", 5), layer("depth.Z", 1),
-                                       layer("uv.U", 1),     layer("uv.V", 2),     layer("primitive.id", 7)};
+  const std::vector<Layer> expected = {layer("albedo.R", 3),    layer("albedo.G", 4), layer("albedo.B", 5),
+                                       layer("depth.Z", 1),     layer("uv.U", 1),     layer("uv.V", 2),
+                                       layer("primitive.id", 7)};
   for (const std::vector<Checkpoint>& parts : {std::vector{a, b, c}, {c, b, a}, {b, a, c}, {c, a, b}})
     expect_same_layers(merge(parts).layers, expected);
 }

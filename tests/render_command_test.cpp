@@ -180,16 +180,18 @@ TEST(render_command_test, light_that_is_too_weak_for_float_has_a_warning_and_a_p
   const TemporaryDirectory directory;
   const fs::path scene =
       write(directory / "weak.xml",
-            "<scene version=\"3.0.0\">\n<integrator type=\"path\"/>\n<sensor type=\"perspective\"><float name=\"fov\" value=\"20\"/>"
+            "<scene version=\"3.0.0\">\n<integrator type=\"path\"/>\n<sensor type=\"perspective\"><float name=\"fov\" "
+            "value=\"20\"/>"
             "<transform name=\"to_world\"><lookat origin=\"0,0,4\" target=\"0,0,0\" up=\"0,1,0\"/></transform></sensor>\n"
             "<shape type=\"sphere\"/>\n<emitter type=\"point\"><point name=\"position\" x=\"0\" y=\"0\" z=\"1e6\"/>"
             "<rgb name=\"intensity\" value=\"$intensity\"/></emitter>\n</scene>");
   const fs::path exr = directory / "weak.exr";
   for (const auto& [intensity, warned] : {std::pair("1e-30", true), {"1e-20", false}}) {
-    const ProgramResult result = run_oclair({"render", scene.string(), "-o", exr.string(), "--spp", "1", "--size", "4x4", "-D",
-                                             std::string("intensity=") + intensity});
+    const ProgramResult result = run_oclair({"render", scene.string(), "-o", exr.string(), "--spp", "1", "--size", "4x4",
+                                             "-D", std::string("intensity=") + intensity});
     EXPECT_EQ(result.exit, 0) << result.err;
-    EXPECT_EQ(result.err.find("is below the smallest normal float, 1.2e-38, and loses digits") != std::string::npos, warned) << result.err;
+    EXPECT_EQ(result.err.find("is below the smallest normal float, 1.2e-38, and loses digits") != std::string::npos, warned)
+        << result.err;
     const ExrFile file = read_exr(exr);
     for (const float value : file.channels.at("R")) EXPECT_GT(value, 0.0f);
   }

@@ -139,7 +139,8 @@ TEST_F(resume_image, going_on_with_another_device_or_driver_is_warned_of_with_bo
       if (entry == name) return value;
     return std::string("absent");
   };
-  const std::string device = text_of("device"), driver = text_of("driver"), samples = ": the samples are as good, but their bits may differ\n";
+  const std::string device = text_of("device"), driver = text_of("driver"),
+                    samples = ": the samples are as good, but their bits may differ\n";
   const auto resumed = [&](const std::string& other_device, const std::string& other_driver) {
     Checkpoint changed = own;
     for (auto& [name, value] : changed.head.attributes) {
@@ -153,7 +154,8 @@ TEST_F(resume_image, going_on_with_another_device_or_driver_is_warned_of_with_bo
   };
   const std::string goes_on = " and goes on with " + device + " (" + driver + ")" + samples;
   EXPECT_EQ(resumed(device, driver).find("goes on"), std::string::npos);
-  for (const auto& [d, v] : {std::pair<std::string, std::string>{"Abacus 9", driver}, {device, "Beads 1.0"}, {"two\nlines", "Beads"}}) {
+  for (const auto& [d, v] :
+       {std::pair<std::string, std::string>{"Abacus 9", driver}, {device, "Beads 1.0"}, {"two\nlines", "Beads"}}) {
     const std::string err = resumed(d, v), one_line = d == "two\nlines" ? "two?lines" : d;
     EXPECT_NE(err.find("a.checkpoint: was rendered by " + one_line + " (" + v + ")" + goes_on), std::string::npos) << err;
   }

@@ -117,7 +117,8 @@ TEST(sampler_image, sobol_points_give_the_known_radiance_within_the_promised_err
     const double pixels = static_cast<double>(film.pixels.size());
     for (std::size_t i = 0; i < film.pixels.size(); ++i) mean += pixel_mean(film, i)[0] / pixels;
     const double error = std::sqrt(squares(film, k.radiance).promised) / pixels;
-    EXPECT_NEAR(mean, k.radiance, z_bound(4) * error + 64 * unit_roundoff * k.radiance) << "z = " << (mean - k.radiance) / error;
+    EXPECT_NEAR(mean, k.radiance, z_bound(4) * error + 64 * unit_roundoff * k.radiance)
+        << "z = " << (mean - k.radiance) / error;
     EXPECT_LE(z_power * error, 0.005 * k.radiance) << "too few samples";
   }
 }
@@ -130,7 +131,8 @@ TEST(sampler_image, promised_errors_are_the_errors_from_the_known_radiance) {
       SCOPED_TRACE(testing::Message() << k.name << " " << sampler);
       const Squares sum = squares(render_sampled(k.world, sampler, 16 * REPLICA_SAMPLES), k.radiance);
       EXPECT_NEAR(sum.errors, sum.promised, z_bound(8) * std::sqrt(sum.fourth));
-      EXPECT_LE(z_bound(8) * std::sqrt(sum.fourth), 0.5 * sum.promised) << "too few samples to find a variance that is half off";
+      EXPECT_LE(z_bound(8) * std::sqrt(sum.fourth), 0.5 * sum.promised)
+          << "too few samples to find a variance that is half off";
     }
 }
 

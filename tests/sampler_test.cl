@@ -15,8 +15,8 @@ __kernel void dimensions(uint count, __global uint *sobol) {
 }
 
 // The same as a point.
-__kernel void points(uint count, __global const Settings *settings, __global const uint *pixel, __global const ulong *sample,
-                     __global const uint *dimension, __global float2 *point) {
+__kernel void points(uint count, __global const Settings* settings, __global const uint* pixel, __global const ulong* sample,
+                     __global const uint* dimension, __global float2* point) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Sampler sampler = sampler_begin(settings, pixel[i], sample[i]);

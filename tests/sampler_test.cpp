@@ -57,11 +57,13 @@ TEST(sampler_test, a_point_is_the_first_24_of_each_32_bits) {
     settings.seed = 7;
     std::vector<cl_uint> pixel, dimension;
     std::vector<cl_ulong> sample;
-    for (const SamplerPlace& p : list) pixel.push_back(p.pixel), sample.push_back(p.sample), dimension.push_back(p.dimension);
+    for (const SamplerPlace& p : list)
+      pixel.push_back(p.pixel), sample.push_back(p.sample), dimension.push_back(p.dimension);
     std::vector<std::array<float, 2>> points(list.size());
     run("sampler_test.cl", "points", list.size(), std::vector<Settings>{settings}, pixel, sample, dimension, out(points));
     for (std::size_t i = 0; i < list.size(); ++i) {
-      const double x = std::ldexp(static_cast<double>(bits[i] >> 40), -24), y = std::ldexp(static_cast<double>(bits[i] >> 8 & 0xffffff), -24);
+      const double x = std::ldexp(static_cast<double>(bits[i] >> 40), -24),
+                   y = std::ldexp(static_cast<double>(bits[i] >> 8 & 0xffffff), -24);
       ASSERT_EQ(static_cast<double>(points[i][0]), x);
       ASSERT_EQ(static_cast<double>(points[i][1]), y);
     }

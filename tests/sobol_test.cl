@@ -15,7 +15,7 @@ __kernel void points(uint count, __global const uint *index, __global const ulon
   if (i < count) result[i] = sobol_point(index[i], trees[i]);
 }
 
-__kernel void second(uint count, __global const uint *digits, __global uint *result) {
+__kernel void second(uint count, __global const uint* digits, __global uint* result) {
   size_t i = get_global_id(0);
   if (i < count) result[i] = sobol_second(digits[i]);
 }

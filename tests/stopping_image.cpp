@@ -104,9 +104,9 @@ void expect_kept(World world, SamplerKind sampler, const std::vector<double>& tr
     EXPECT_GT(std::exp(-n * divergence), false_alarm) << missed << " missed";
   }
   // And the bound is not idle. With weighted variances in the pixels that differ by a factor of 4 at most, Y deviates by
-  // s <= sqrt(2 4/256) = 0.18 of V; after the fewest pairs, 16, the sequence is 0.83 s wide, the deviation of the picture counts
-  // sqrt(2 3.7) s and its largest pixel 2 3.7 4/256: the bound is the root of 1.76 times the expectation at most, whose root
-  // the errors have to 1 % in the mean of all renders.
+  // s <= sqrt(2 4/256) = 0.18 of V; after the fewest pairs, 16, the sequence is 0.83 s wide, the deviation of the picture
+  // counts sqrt(2 3.7) s and its largest pixel 2 3.7 4/256: the bound is the root of 1.76 times the expectation at most,
+  // whose root the errors have to 1 % in the mean of all renders.
   EXPECT_GT(errors, 0.7 * target) << "a rule that waits for so long is of no use";
 }
 

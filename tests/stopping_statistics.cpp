@@ -1,6 +1,6 @@
-// How often is a picture certified whose error is not below the target? Films of pixels with known distributions, looked at after
-// every block. The promise is 5 % at most; if it is kept, a TEST finds `tolerated` misses or more in one of its comparisons with a
-// probability of 2e-5 or less.
+// How often is a picture certified whose error is not below the target? Films of pixels with known distributions, looked at
+// after every block. The promise is 5 % at most; if it is kept, a TEST finds `tolerated` misses or more in one of its
+// comparisons with a probability of 2e-5 or less.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -64,14 +64,16 @@ const Law fireflies{"fireflies", [](Random& random) {
                       for (int k = 1; u >= chance && k < 16; ++k) u -= chance, chance *= 16.0 * firefly / k, sum += firefly_value;
                       return sum;
                     }, firefly * firefly_value * firefly_value};
-// Nine tenths of the light come in one sample of 200: 73 % of all pictures of 2 x 2 pixels look ten times too dark after the first
-// block, and their pairs begin anew when the light is found.
+// Nine tenths of the light come in one sample of 200: 73 % of all pictures of 2 x 2 pixels look ten times too dark after the
+// first block, and their pairs begin anew when the light is found.
 constexpr double lamp = 0.005, lamp_value = 0.9 / lamp;
-const Law late_light{"late light", [](Random& random) {
+const Law late_light{"late light",
+                     [](Random& random) {
                        double sum = 0.1 * exponential.block_sum(random);
                        for (std::uint64_t i = 0; i < block; ++i) sum += random.unit() < lamp ? lamp_value : 0.0;
                        return sum;
-                     }, 0.01 + lamp * (1.0 - lamp) * lamp_value * lamp_value};
+                     },
+                     0.01 + lamp*(1.0 - lamp) * lamp_value* lamp_value};
 const Law lognormal{"lognormal, sigma 2", [](Random& random) {
                       double sum = 0.0;
                       for (std::uint64_t i = 0; i < block; ++i) sum += std::exp(2.0 * normal(random) - 2.0);

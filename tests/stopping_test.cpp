@@ -228,8 +228,8 @@ TEST(stopping_test, samples_left_out_do_not_count_as_dark) {
   EXPECT_TRUE(monitor.certified()) << monitor.why_not();
 }
 
-// Noise that would be certified; of one pixel a single block is left out, or every block, in the first or the second one of a pair, or
-// all that was rendered before a resume.
+// Noise that would be certified; of one pixel a single block is left out, or every block, in the first or the second one of
+// a pair, or all that was rendered before a resume.
 TEST(stopping_test, a_pixel_whose_whole_block_was_left_out_prevents_certification) {
   const auto why_not = [](const std::function<bool(int block)>& leaves_out, int resumed_at) {
     Render render;
@@ -253,8 +253,8 @@ TEST(stopping_test, a_pixel_whose_whole_block_was_left_out_prevents_certificatio
   EXPECT_EQ(why_not([](int i) { return i < 20; }, 21), "");  // of what came before the monitor only the whole counts
 }
 
-// Most of the light is found at block 40, or only after the pairs so far could have certified: what is judged then is what a monitor
-// judges that begins there; in the second case with less of the risk left, 1/32 for 15/16.
+// Most of the light is found at block 40, or only after the pairs so far could have certified: what is judged then is what a
+// monitor judges that begins there; in the second case with less of the risk left, 1/32 for 15/16.
 TEST(stopping_test, light_that_is_found_late_begins_the_pairs_anew) {
   for (const int dark : {41, 201}) {
     Render render;

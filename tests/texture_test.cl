@@ -33,17 +33,17 @@ __kernel void attributes(uint count, __global const Texture *textures, __global 
   value[i] = (float4)(texture_eval(&scene, which[i] + 1u, &at), texture_number(&scene, which[i] + 1u, &at));
 }
 
-__kernel void wrapped(uint count, __global const float *u, uint wrap, __global float *result) {
+__kernel void wrapped(uint count, __global const float* u, uint wrap, __global float* result) {
   size_t i = get_global_id(0);
   if (i < count) result[i] = texture_wrapped(u[i], wrap);
 }
 
-__kernel void neighbours(uint count, __global const int *texel, uint n, uint wrap, __global uint *result) {
+__kernel void neighbours(uint count, __global const int* texel, uint n, uint wrap, __global uint* result) {
   size_t i = get_global_id(0);
   if (i < count) result[i] = texel_neighbour(texel[i], n, wrap);
 }
 
-__kernel void curves(uint count, __global const float4 *colour, __global float *gray, __global float *linear) {
+__kernel void curves(uint count, __global const float4* colour, __global float* gray, __global float* linear) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   gray[i] = luminance(colour[i].xyz);

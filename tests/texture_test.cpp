@@ -441,7 +441,9 @@ TEST(texture_test, coordinates_are_wrapped_to_u_and_a_half) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       ASSERT_TRUE(found[i] >= 0.0f && found[i] <= 1.0f) << list[i];
       const Real x = list[i], turns = x - std::floor(x), pair = x - 2 * std::floor(x / 2);
-      const Real exact = wrap == WRAP_REPEAT ? turns : wrap == WRAP_MIRROR ? 1 - std::abs(pair - 1) : std::clamp<Real>(x, 0, 1);
+      const Real exact = wrap == WRAP_REPEAT   ? turns
+                         : wrap == WRAP_MIRROR ? 1 - std::abs(pair - 1)
+                                               : std::clamp<Real>(x, 0, 1);
       const Real off = std::abs(static_cast<Real>(found[i]) - exact);
       // A repeated coordinate that rounds to 1 is the same place as 0.
       ASSERT_LE(wrap == WRAP_REPEAT ? std::min(off, 1 - off) : off, 1.5L * u) << list[i] << " " << wrap;
@@ -456,16 +458,20 @@ TEST(texture_test, neighbours_beyond_an_edge_are_the_other_edge_or_the_edge_itse
       for (cl_int i = -1; i <= static_cast<cl_int>(n); ++i) texel.push_back(i);
       std::vector<cl_uint> found(texel.size());
       run(file, "neighbours", texel.size(), texel, n, static_cast<cl_uint>(wrap), out(found));
-      for (std::size_t i = 0; i < texel.size(); ++i) EXPECT_EQ(found[i], wrapped(texel[i], n, wrap)) << texel[i] << " of " << n;
+      for (std::size_t i = 0; i < texel.size(); ++i)
+        EXPECT_EQ(found[i], wrapped(texel[i], n, wrap)) << texel[i] << " of " << n;
     }
 }
 
-// Luminance: three constants, three products and two sums of positive numbers: 4 u. The curve: as above; at its corner either branch.
+// Luminance: three constants, three products and two sums of positive numbers: 4 u. The curve: as above; at its corner
+// either branch.
 TEST(texture_test, luminance_and_the_curve_of_srgb_are_those_of_their_standards) {
   Random random(2);
   std::vector<cl_float4> colour;
-  for (std::size_t i = 0; i < count_or_small(10000, 40); ++i) colour.push_back({{random.unit24(), random.unit24(), random.unit24(), random.unit24()}});
-  for (int c = 0; c < 4; ++c) colour.push_back({{c == 0 ? 1.0f : 0.0f, c == 1 ? 1.0f : 0.0f, c == 2 ? 1.0f : 0.0f, c == 3 ? 1.0f : 0.0f}});
+  for (std::size_t i = 0; i < count_or_small(10000, 40); ++i)
+    colour.push_back({{random.unit24(), random.unit24(), random.unit24(), random.unit24()}});
+  for (int c = 0; c < 4; ++c)
+    colour.push_back({{c == 0 ? 1.0f : 0.0f, c == 1 ? 1.0f : 0.0f, c == 2 ? 1.0f : 0.0f, c == 3 ? 1.0f : 0.0f}});
   std::vector<float> gray(colour.size()), linear(colour.size());
   run(file, "curves", colour.size(), colour, out(gray), out(linear));
   for (std::size_t i = 0; i < colour.size(); ++i) {

@@ -28,8 +28,8 @@ TEST(weak_light_image, a_light_that_is_seen_has_the_very_radiance_of_its_float) 
   }
 }
 
-// A plate under a sky of one radiance reflects its albedo of it. Some eight operations on the way from the light to the film round to a
-// multiple of the smallest number each.
+// A plate under a sky of one radiance reflects its albedo of it. Some eight operations on the way from the light to the film
+// round to a multiple of the smallest number each.
 TEST(weak_light_image, a_plate_under_a_sky_of_any_radiance_reflects_its_share) {
   if (!has_denormals()) GTEST_SKIP() << "the device has no denormal numbers";
   for (const double radiance : {1e-45, 1e-43, 1e-42, 1e-40, 1e-38, 1e-30, 1e30}) {

@@ -7,8 +7,8 @@
 #include "../image_info.h"
 #include "../render.h"
 #include "../variant.h"
-#include "report.h"
 #include "options.h"
+#include "report.h"
 
 namespace oclair {
 
@@ -60,7 +60,8 @@ void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
 
 Exit info(const InfoOptions& options) {
   if (is_exr(options.scene)) return info_image(options.scene);
-  if (begins_like_checkpoint(options.scene) || options.scene.extension() == ".checkpoint") return info_checkpoint(options.scene);
+  if (begins_like_checkpoint(options.scene) || options.scene.extension() == ".checkpoint")
+    return info_checkpoint(options.scene);
   const Device device = open_device(options.device);
   World world = read_scene(options.scene, options.definitions, {options.size, {}});
   print_warnings(world, std::cerr);

@@ -24,7 +24,8 @@ Exit info_checkpoint(const std::filesystem::path& path) {
   row("rays") << film.rays << "\n";
   if (const auto error = image_error(film)) row("estimated error") << *error << "\n";
   for (const Layer& layer : checkpoint.layers) row("layer") << one_line(layer.name) << "\n";
-  for (const auto& [name, value] : checkpoint.head.attributes) row("header") << one_line(name) << ": " << one_line(value) << "\n";
+  for (const auto& [name, value] : checkpoint.head.attributes)
+    row("header") << one_line(name) << ": " << one_line(value) << "\n";
   row("kept") << (checkpoint.kept ? "yes: stays when its render is done" : "no: goes when its render is done") << "\n";
   return Exit::success;
 }

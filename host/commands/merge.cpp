@@ -28,7 +28,8 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   std::vector<Checkpoint> heads;
   for (const std::string& part : parts) heads.push_back(read_checkpoint_head(part));
   require_mergeable(heads, parts);
-  // In the order of their samples: what several parts have and only one can give is then the first one's, however they are named.
+  // In the order of their samples: what several parts have and only one can give is then the first one's, however they are
+  // named.
   std::vector<std::size_t> order(parts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

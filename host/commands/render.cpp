@@ -91,8 +91,10 @@ Checkpoint require_resumable(const fs::path& path, const SampleRange& wanted, co
 std::string device_of(const ImageHead& head) {
   std::string device, driver;
   for (const auto& [name, value] : head.attributes)
-    if (name == "device") device = value;
-    else if (name == "driver") driver = value;
+    if (name == "device")
+      device = value;
+    else if (name == "driver")
+      driver = value;
   return device.empty() ? "an unknown device" : one_line(device + " (" + driver + ")");
 }
 
@@ -127,10 +129,12 @@ void remove_checkpoint(const fs::path& path) {
   if (fs::is_regular_file(path, ignored)) fs::remove(fs::weakly_canonical(path, ignored), ignored);
 }
 
-// Where all that is lit has fewer digits than float32 should have, down to none. Empty: there is enough light, or none at all.
+// Where all that is lit has fewer digits than float32 should have, down to none. Empty: there is enough light, or none at
+// all.
 std::string light_warning(const Settings& settings) {
   if (settings.light_count == 0 || settings.film_exponent >= std::numeric_limits<float>::min_exponent) return "";
-  return "the lights are so weak that what they light is below the smallest normal float, 1.2e-38, and loses digits: expected more light";
+  return "the lights are so weak that what they light is below the smallest normal float, 1.2e-38, and loses digits: "
+         "expected more light";
 }
 
 std::string options_text(const RenderOptions& options, const Scene& scene) {

@@ -197,6 +197,28 @@ TEST(render_command_test, light_that_is_too_weak_for_float_has_a_warning_and_a_p
   }
 }
 
+// A lamp 7e-7 of the scene above a plate lights what is below it beyond the film's headroom: of such pixels nothing is known. Said at
+// once, since a render without another limit would go on for ever.
+TEST(render_command_test, pixels_of_which_nothing_is_known_are_warned_of_before_the_end) {
+  const TemporaryDirectory directory;
+  const fs::path scene =
+      write(directory / "near.xml",
+            "<scene version=\"3.0.0\">\n<integrator type=\"path\"/>\n<sensor type=\"orthographic\"><transform name=\"to_world\">"
+            "<scale value=\"1e-7\"/><lookat origin=\"0.5,0,1\" target=\"0,0,0\" up=\"0,1,0\"/></transform></sensor>\n"
+            "<shape type=\"rectangle\"/>\n<emitter type=\"point\"><point name=\"position\" x=\"0\" y=\"0\" z=\"7e-7\"/>"
+            "<rgb name=\"intensity\" value=\"1\"/></emitter>\n</scene>");
+  const ProgramResult result = run_oclair({"render", scene.string(), "-o", (directory / "near.exr").string(), "--size", "8x8",
+                                           "--error", "0.5", "--spp", "48", "--progress", "json"});
+  EXPECT_EQ(result.exit, 5) << result.err;
+  const std::string unknown = "pixels of which all samples of a block were left out: ";
+  const std::size_t early = result.err.find("the error will not be certified: " + unknown),
+                    late = result.err.find("the error is not certified to be below its limit: " + unknown);
+  ASSERT_NE(early, std::string::npos) << result.err;
+  ASSERT_NE(late, std::string::npos) << result.err;
+  EXPECT_LT(early, late);
+  EXPECT_EQ(result.err.find("will not be certified", early + 20), std::string::npos) << "it is said once";
+}
+
 TEST(render_command_test, moments_are_channels_named_like_the_nested_integrator) {
   const TemporaryDirectory directory;
   const fs::path scene = write(directory / "moment.xml",

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace oclair {
 namespace {
@@ -40,6 +41,12 @@ struct AllChannels {
         depth(wanted.depth, "depth", {"Z"}, pixels),
         uv(wanted.uv, "uv", {"U", "V"}, pixels),
         primitive(wanted.primitive, "primitive", {"id"}, pixels) {}
+
+  std::vector<Layer> layers() && {
+    std::vector<Layer> all;
+    for (Channels* aov : {&albedo, &normal, &depth, &uv, &primitive}) aov->append_to(all);
+    return all;
+  }
 };
 
 // 0: none, then the triangles in the scene's order, then its quadrics.
@@ -69,6 +76,8 @@ KernelOptions aov_options(const Scene& scene, const Bvh& bvh, const Aovs& wanted
 
 }  // namespace
 
+std::size_t channel_count(const Aovs& wanted) { return AllChannels(wanted, 0).layers().size(); }
+
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
   const Device& device = *renderer.device;
   AllChannels channels(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);
@@ -90,10 +99,7 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
   } catch (const cl::Error& error) {
     throw device_error(device, error);
   }
-  std::vector<Layer> layers;
-  for (Channels* aov : {&channels.albedo, &channels.normal, &channels.depth, &channels.uv, &channels.primitive})
-    aov->append_to(layers);
-  return layers;
+  return std::move(channels).layers();
 }
 
 }  // namespace oclair

@@ -35,8 +35,8 @@ std::string format(const char* pattern, double a, double b, double c) {
 
 }  // namespace
 
-ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples)
-    : target_(target), confidence_(confidence), block_(block_samples) {
+ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples, FilmDirectory directory)
+    : target_(target), confidence_(confidence), block_(block_samples), pixels_(FilmAllocator<Pixel>(std::move(directory))) {
   assert(target > 0.0 && confidence > 0.0 && confidence < 1.0 && block_samples > 0);
 }
 
@@ -48,10 +48,10 @@ void ErrorMonitor::add(const Film& film) {
   }
   film_error_ = image_error(film);
   if (!pair_begun_) {
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    for_each_pixel(film, [&](std::size_t i) {
       const auto block = take_block(film, i);
       for (int c = 0; c < 3; ++c) pixels_[i].first[c] = static_cast<float>(block[c]);
-    }
+    });
     samples_ = film.samples;
     pair_begun_ = true;
     return;
@@ -60,15 +60,16 @@ void ErrorMonitor::add(const Film& film) {
   const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
   std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
   double y = 0.0;
-  for (std::size_t row = 0, i = 0; row < film.height; ++row)
-    for (std::size_t column = 0; column < film.width; ++column, ++i) {
-      auto difference = take_block(film, i);
-      for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
-      const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
-      if (!black_) pixels_[i].variance_sum += variance;
-      y += weighted;
-      cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
-    }
+  std::size_t row = 0, column = 0;
+  for_each_pixel(film, [&](std::size_t i) {
+    auto difference = take_block(film, i);
+    for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
+    const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+    if (!black_) pixels_[i].variance_sum += variance;
+    y += weighted;
+    cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
+    if (++column == film.width) column = 0, ++row;
+  });
   if (!black_) {
     const double count = static_cast<double>(pixels_.size());
     y /= count;
@@ -82,10 +83,16 @@ void ErrorMonitor::add(const Film& film) {
   set_weights(film);
 }
 
+// Calls body(i) for each pixel; what lies in files does not stay in memory behind it.
+template <class Body>
+void ErrorMonitor::for_each_pixel(const Film& film, const Body& body) {
+  for_each_element(pixels_.size(), body, film, pixels_);
+}
+
 // Takes the film as where the next pair begins.
 void ErrorMonitor::rebase(const Film& film) {
-  if (pixels_.size() != film.pixels.size()) pixels_.assign(film.pixels.size(), Pixel{});
-  for (std::size_t i = 0; i < pixels_.size(); ++i) take_block(film, i);
+  if (pixels_.size() != film.pixels.size()) pixels_ = FilmVector<Pixel>(film.pixels.size(), pixels_.get_allocator());
+  for_each_pixel(film, [&](std::size_t i) { take_block(film, i); });
   samples_ = film.samples;
   pair_begun_ = false;
   set_weights(film);
@@ -94,21 +101,21 @@ void ErrorMonitor::rebase(const Film& film) {
 void ErrorMonitor::set_weights(const Film& film) {
   const double count = static_cast<double>(pixels_.size());
   std::array<double, 3> mean{};
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  for_each_pixel(film, [&](std::size_t i) {
     const auto pixel = known_mean(film, i);
     for (int c = 0; c < 3; ++c) mean[c] += pixel[c] / count;
-  }
+  });
   const double floor = floor_share * square(mean);
   black_ = !(floor > 0.0);
   variance_mean_ = variance_square_mean_ = variance_most_ = 0.0;
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  for_each_pixel(film, [&](std::size_t i) {
     Pixel& pixel = pixels_[i];
     pixel.weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
     const double variance = pairs_ > 0 ? pixel.weight * pixel.variance_sum / static_cast<double>(pairs_) : 0.0;
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
-  }
+  });
 }
 
 // The pixel's mean, from the sums that take_block left.

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "render.h"
 
@@ -22,8 +21,18 @@ class ErrorMonitor {
   // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
   static constexpr std::uint64_t usual_block = REPLICA_SAMPLES;
 
-  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
-  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
+  // What is kept of each pixel.
+  struct Pixel {
+    std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
+    std::uint64_t rejected;       // up to the last film
+    std::array<float, 3> first;   // mean of the first block of a pair
+    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
+    double variance_sum;          // over all pairs: |difference of two block means|^2 / 2, without weight
+  };
+
+  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. The pixels lie in `directory`, as
+  // those of a film would (film_vector.h).
+  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, FilmDirectory directory = {});
 
   // The film after another block: counts where the samples of a pixel are a multiple of the block's. A film that is further on by
   // more than a block costs what lies between, and a pair that was begun; the first film (a resumed one, too) only gives weights.
@@ -36,14 +45,8 @@ class ErrorMonitor {
   std::optional<std::uint64_t> samples_expected() const;  // per pixel, until the bound reaches the target
 
  private:
-  struct Pixel {
-    std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
-    std::uint64_t rejected;       // up to the last film
-    std::array<float, 3> first;   // mean of the first block of a pair
-    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
-    double variance_sum;          // over all pairs: |difference of two block means|^2 / 2, without weight
-  };
-
+  template <class Body>
+  void for_each_pixel(const Film& film, const Body& body);
   void rebase(const Film& film);
   void set_weights(const Film& film);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
@@ -56,7 +59,7 @@ class ErrorMonitor {
   std::uint64_t samples_ = 0;  // of the last film that counted
   std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
   bool pair_begun_ = false, black_ = true;
-  std::vector<Pixel> pixels_;
+  FilmVector<Pixel> pixels_;
 
   // Of Y, the weighted variance of a block, mean over the pixels: one value a pair.
   std::uint64_t pairs_ = 0;

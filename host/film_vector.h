@@ -66,8 +66,8 @@ void release(const FilmVector<T>& array, std::size_t first, std::size_t end) {
 template <class T>
 void release(const std::vector<T>&, std::size_t, std::size_t) {}
 
-// Elements that are in memory at a time, of an array in a file that is gone through from its start to its end: some 10 to 20 MB.
-inline constexpr std::size_t FILM_PIECE = std::size_t{1} << 17;
+// Elements that are in memory at a time, of an array in a file that is gone through from its start to its end: 2 to 5 MB.
+inline constexpr std::size_t FILM_PIECE = std::size_t{1} << 15;
 
 // Calls body(first, end) for pieces that make up [0, count), in order, and lets go behind it of arrays, or films, of so many elements.
 template <class Body, class... Arrays>

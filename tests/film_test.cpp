@@ -107,6 +107,12 @@ struct Pixels {
   explicit Pixels(std::size_t n) : pixels(n), moments(n) {}
 };
 
+// As a film holds them.
+template <class T>
+FilmVector<T> held(const std::vector<T>& values) {
+  return {values.begin(), values.end()};
+}
+
 void add(Pixels& film, const std::vector<cl_uint>& place, const std::vector<packed_float3>& samples, int exponent, cl_uint repeat = 1) {
   run("film_test.cl", "add", place.size(), place, samples, static_cast<cl_uint>(samples.size() / place.size()), repeat,
       static_cast<cl_int>(exponent), out(film.pixels), out(film.moments));
@@ -278,7 +284,7 @@ TEST(film_test, the_mean_of_2_to_the_28_equal_samples_is_the_sample) {
     product[1] = static_cast<cl_ulong>(squares >> 64);
   }
   add(film, {0}, {{0.1f, 0.1f, 0.1f}}, 0, added);
-  Film read{1, 1, 0, total, film.pixels, film.moments};
+  Film read{1, 1, 0, total, held(film.pixels), held(film.moments)};
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(pixel_mean(read, 0)[c], static_cast<double>(0.1f));
     for (int other = 0; other < 3; ++other)
@@ -301,7 +307,7 @@ TEST(film_test, scaling_samples_and_exponent_by_a_power_of_two_changes_no_bit) {
     add(film, {0}, scaled, k);
     EXPECT_EQ(std::memcmp(&film.pixels[0], &plain.pixels[0], sizeof(FilmPixel)), 0) << k;
     EXPECT_EQ(std::memcmp(&film.moments[0], &plain.moments[0], sizeof(FilmMoments)), 0) << k;
-    const Film here{1, 1, k, n, film.pixels, film.moments}, there{1, 1, 0, n, plain.pixels, plain.moments};
+    const Film here{1, 1, k, n, held(film.pixels), held(film.moments)}, there{1, 1, 0, n, held(plain.pixels), held(plain.moments)};
     for (int c = 0; c < 3; ++c) {
       EXPECT_EQ(pixel_mean(here, 0)[c], std::ldexp(pixel_mean(there, 0)[c], k));
       for (int other = 0; other < 3; ++other)
@@ -333,7 +339,7 @@ TEST(film_test, means_alpha_and_counts_are_those_of_the_accepted_samples) {
   }
   Pixels film(2);
   add(film, {1}, samples, 0);
-  const Film read{2, 1, 0, n, film.pixels, film.moments};
+  const Film read{2, 1, 0, n, held(film.pixels), held(film.moments)};
   EXPECT_EQ(pixel_mean(read, 0), (std::array<double, 3>{}));  // n samples of nothing
   for (int c = 0; c < 3; ++c) {
     const double mean = static_cast<double>(sum[c] / (n - bad));
@@ -432,7 +438,7 @@ TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) 
   add_in_replicas(film, errors, std::vector<packed_float3>(REPLICA_SAMPLES, {largest, largest, largest}), REPLICA_SAMPLES * (replicas - 1), 0);
   for (int c = 0; c < 3; ++c)
     for (int limb = 0; limb < 3; ++limb) EXPECT_EQ(errors[0].square[c][limb], times_a_power[limb]);
-  const Film read{1, 1, 0, REPLICA_SAMPLES * replicas, film, {}, errors, replicas};
+  const Film read{1, 1, 0, REPLICA_SAMPLES * replicas, held(film), {}, held(errors), replicas};
   // 2^-63 of the square is what long double loses in each of four roundings.
   EXPECT_LE((*pixel_standard_error(read, 0))[0], largest * std::sqrt(4 * 0x1p-63 / static_cast<double>(replicas)));
 }
@@ -441,7 +447,7 @@ TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) 
 // |m|^2 = 9 k^2, the mean of the image is (1.5, 3, 3) with the square 20.25.
 TEST(film_test, error_of_the_image_is_the_root_mean_of_relative_squares) {
   const int exponent = 0;
-  Film film{4, 1, exponent, 2 * REPLICA_SAMPLES, std::vector<FilmPixel>(4), {}, std::vector<FilmErrors>(4), 2};
+  Film film{4, 1, exponent, 2 * REPLICA_SAMPLES, FilmVector<FilmPixel>(4), {}, FilmVector<FilmErrors>(4), 2};
   const double d[4] = {0.5, 0.25, 1.0, 0.0};
   double expected = 0.0;
   for (int k = 0; k < 4; ++k) {
@@ -478,7 +484,7 @@ TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
     std::vector<FilmPixel> film(1);
     std::vector<FilmErrors> errors(1);
     add_in_replicas(film, errors, samples, 0, 0);
-    const Film read{1, 1, 0, samples.size(), film, {}, errors, replicas};
+    const Film read{1, 1, 0, samples.size(), held(film), {}, held(errors), replicas};
     const auto error = pixel_standard_error(read, 0);
     ASSERT_TRUE(error);
     for (int c = 0; c < 3; ++c) {
@@ -512,7 +518,7 @@ TEST(film_test, samples_that_are_all_equal_have_no_standard_error) {
   std::vector<FilmPixel> film(1);
   std::vector<FilmErrors> errors(1);
   add_in_replicas(film, errors, std::vector<packed_float3>(replicas * REPLICA_SAMPLES, {0.1f, 1e-6f, 3e7f}), 0, 0);
-  const auto error = pixel_standard_error({1, 1, 0, replicas * REPLICA_SAMPLES, film, {}, errors, replicas}, 0);
+  const auto error = pixel_standard_error({1, 1, 0, replicas * REPLICA_SAMPLES, held(film), {}, held(errors), replicas}, 0);
   const double resolved = 0x1p-36 / REPLICA_SAMPLES / std::sqrt(2.0 * (replicas - 1));
   ASSERT_TRUE(error);
   EXPECT_LE((*error)[0], resolved);

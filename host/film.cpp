@@ -62,6 +62,7 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
 }
 
 std::optional<double> image_error(const Film& film) {
+  if (film.replicas < 2) return std::nullopt;
   const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
   const double count = static_cast<double>(film.pixels.size());
   std::array<double, 3> image_mean{};
@@ -70,7 +71,7 @@ std::optional<double> image_error(const Film& film) {
     for (int c = 0; c < 3; ++c) image_mean[c] += mean[c] / count;
   }, film);
   const double floor = 0.01 * square(image_mean);
-  if (film.replicas < 2 || !(floor > 0.0)) return std::nullopt;
+  if (!(floor > 0.0)) return std::nullopt;
   double sum = 0.0;
   bool complete = true;
   for_each_element(film.pixels.size(), [&](std::size_t i) {

@@ -117,7 +117,7 @@ std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std:
     for_each_element(film.pixels.size(), [&](std::size_t i) { any = any || holds(i); }, film);
     return any;
   };
-  if (any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
+  if (film.replicas >= 2 && any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
   if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; }))
     parts.push_back(count_part(film));
   for (ImagePart& part : parts) part.written = [&film](std::size_t first, std::size_t end) { release(film, first, end); };

@@ -58,9 +58,10 @@ struct FilmAllocator {
 template <class T>
 using FilmVector = std::vector<T, FilmAllocator<T>>;
 
-// Lets go of the memory behind elements [first, end) of an array in a file; to one in memory it does nothing.
+// Lets go of the memory behind those of the elements [first, end) that an array in a file has; to one in memory it does nothing.
 template <class T>
 void release(const FilmVector<T>& array, std::size_t first, std::size_t end) {
+  end = std::min(end, array.size());  // what lies behind the array is somebody else's
   if (array.get_allocator().directory && first < end) release_pages(array.data() + first, (end - first) * sizeof(T));
 }
 template <class T>

@@ -32,7 +32,7 @@ void for_each_array(Visit visit, Films&... films) {
 
 // Lets go of the memory behind pixels [first, end) of a film in files.
 inline void release(const Film& film, std::size_t first, std::size_t end) {
-  for_each_array([&](const char*, bool, const auto& array) { release(array, first, std::min(end, array.size())); }, film);
+  for_each_array([&](const char*, bool, const auto& array) { release(array, first, end); }, film);
 }
 
 // Without pixels; arrays that it is given will lie there.

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace oclair {
 namespace {
@@ -40,6 +41,12 @@ struct AllChannels {
         depth(wanted.depth, "depth", {"Z"}, pixels),
         uv(wanted.uv, "uv", {"U", "V"}, pixels),
         primitive(wanted.primitive, "primitive", {"id"}, pixels) {}
+
+  std::vector<Layer> layers() && {
+    std::vector<Layer> all;
+    for (Channels* aov : {&albedo, &normal, &depth, &uv, &primitive}) aov->append_to(all);
+    return all;
+  }
 };
 
 // 0: none, then the triangles in the scene's order, then its quadrics.
@@ -75,6 +82,8 @@ std::size_t aov_order(std::string_view layer) {
   return static_cast<std::size_t>(std::find(std::begin(order), std::end(order), aov) - std::begin(order));
 }
 
+std::size_t channel_count(const Aovs& wanted) { return AllChannels(wanted, 0).layers().size(); }
+
 std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
   const Device& device = *renderer.device;
   AllChannels channels(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);
@@ -96,10 +105,7 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
   } catch (const cl::Error& error) {
     throw device_error(device, error);
   }
-  std::vector<Layer> layers;
-  for (Channels* aov : {&channels.albedo, &channels.normal, &channels.depth, &channels.uv, &channels.primitive})
-    aov->append_to(layers);
-  return layers;
+  return std::move(channels).layers();
 }
 
 }  // namespace oclair

@@ -15,6 +15,9 @@ struct Aovs {
   bool any() const { return albedo || normal || depth || uv || primitive; }
 };
 
+// Layers that render_aovs makes.
+std::size_t channel_count(const Aovs& wanted);
+
 // The layers that are wanted, in the order of Aovs: albedo.R, G, B; normal.X, Y, Z (world space); depth.Z (in the scene's
 // lengths); uv.U, V; primitive.id (an integer). Means over the first AOV_SAMPLES samples of each pixel, but for the
 // primitive; docs/image-files.md defines them. They depend on the scene, its seed and its film alone. uv wants a scene with

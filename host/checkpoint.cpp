@@ -35,14 +35,6 @@ const std::size_t PROLOGUE = FORMAT.size() + SIZE_DIGITS + 1 + CHECKSUM_DIGITS +
   throw Error(Exit::render_failed, path.string() + ": " + one_line(what) + ", expected " + one_line(expected));
 }
 
-// Every array of a film, in the order of the file; `visit` is told the name, the array, and whether a film may be without it.
-template <typename AnyFilm, typename Visit>
-void visit_arrays(AnyFilm& film, Visit visit) {
-  visit("pixels", film.pixels, false);
-  visit("moments", film.moments, true);
-  visit("errors", film.errors, false);
-}
-
 std::string prologue(const std::string& head) {
   const std::string digits = std::to_string(head.size());
   return FORMAT + std::string(SIZE_DIGITS - digits.size(), '0') + digits + " " + xxh3_digits(head.data(), head.size()) + "\n";
@@ -135,29 +127,41 @@ void check_arrays(const fs::path& path, const CheckpointHead& head, std::uint64_
     if (bytes != pixels * element && !(bytes == 0 && may_be_absent))
       fail(path, "its array " + name + " has " + std::to_string(bytes) + " bytes", std::to_string(pixels * element));
   };
-  visit_arrays(head.checkpoint.film, [&](const char* name, const auto& array, bool may_be_absent) {
-    check(name, sizeof array[0], may_be_absent);
-  });
+  for_each_array([&](const char* name, bool may_be_absent, const auto& array) { check(name, sizeof array[0], may_be_absent); },
+                 head.checkpoint.film);
   for (const Layer& layer : head.checkpoint.layers) check(layer.name, sizeof layer.values[0], false);
   if (next != head.arrays.size()) fail(path, "its head lists the unknown array " + head.arrays[next].name, "no other array");
 }
 
-template <typename T>
-void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, std::vector<T>& values) {
-  values.resize(entry.bytes / sizeof(T));
-  input.read(values.data(), entry.bytes);
-  if (xxh3_digits(values.data(), entry.bytes) != entry.checksum)
+// Calls use(bytes, count) for an array's bytes, some MiB at a time.
+template <typename Array, typename Use>
+void for_each_bytes(Array& array, Use use) {
+  for_each_piece(array.size(), [&](std::size_t first, std::size_t end) { use(array.data() + first, (end - first) * sizeof array[0]); },
+                 array);
+}
+
+template <typename Array>
+void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, Array& values) {
+  values.resize(entry.bytes / sizeof values[0]);
+  Xxh3 checksum;
+  for_each_bytes(values, [&](void* bytes, std::size_t count) {
+    input.read(bytes, count);
+    checksum.add(bytes, count);
+  });
+  if (checksum.digits() != entry.checksum)
     fail(path, "its array " + entry.name + " is damaged", "the checksum that its head says");
 }
 
 void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntry>& entries, Checkpoint& checkpoint) {
   std::size_t next = 0;
-  visit_arrays(checkpoint.film, [&](const char*, auto& values, bool) { read_array(path, input, entries[next++], values); });
+  for_each_array([&](const char*, bool, auto& values) { read_array(path, input, entries[next++], values); }, checkpoint.film);
   for (Layer& layer : checkpoint.layers) read_array(path, input, entries[next++], layer.values);
-  const std::uint64_t samples = checkpoint.film.samples;
-  for (const FilmPixel& pixel : checkpoint.film.pixels)
-    if (pixel.rejected > samples || pixel.hits > samples - pixel.rejected)
+  const Film& film = checkpoint.film;
+  const std::uint64_t samples = film.samples;
+  for_each_element(film.pixels.size(), [&](std::size_t i) {
+    if (film.pixels[i].rejected > samples || film.pixels[i].hits > samples - film.pixels[i].rejected)
       fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(samples));
+  }, film.pixels);
 }
 
 [[maybe_unused]] bool is_sound(const Checkpoint& checkpoint) {
@@ -182,19 +186,14 @@ bool begins_like_checkpoint(const fs::path& path) {
 
 void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   assert(is_sound(checkpoint));
-  struct Bytes {
-    const void* first;
-    std::size_t count;
-  };
-  std::vector<Bytes> arrays;
   std::vector<ArrayEntry> entries;
-  const auto add = [&](const std::string& name, const auto& values) {
-    const std::size_t bytes = values.size() * sizeof values[0];
-    arrays.push_back({values.data(), bytes});
-    entries.push_back({name, bytes, xxh3_digits(values.data(), bytes)});
+  const auto enter = [&](const std::string& name, const auto& values) {
+    Xxh3 checksum;
+    for_each_bytes(values, [&](const void* bytes, std::size_t count) { checksum.add(bytes, count); });
+    entries.push_back({name, values.size() * sizeof values[0], checksum.digits()});
   };
-  visit_arrays(checkpoint.film, [&](const char* name, const auto& values, bool) { add(name, values); });
-  for (const Layer& layer : checkpoint.layers) add(layer.name, layer.values);
+  for_each_array([&](const char* name, bool, const auto& values) { enter(name, values); }, checkpoint.film);
+  for (const Layer& layer : checkpoint.layers) enter(layer.name, layer.values);
   const std::string head = head_text(checkpoint, entries);
   if (head.size() > MAX_HEAD)
     fail(path, "its head would have " + std::to_string(head.size()) + " bytes", "at most " + std::to_string(MAX_HEAD));
@@ -205,7 +204,8 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   };
   put(lines.data(), lines.size());
   put(head.data(), head.size());
-  for (const Bytes& array : arrays) put(array.first, array.count);
+  for_each_array([&](const char*, bool, const auto& values) { for_each_bytes(values, put); }, checkpoint.film);
+  for (const Layer& layer : checkpoint.layers) for_each_bytes(layer.values, put);
   aside.commit();
 }
 
@@ -216,11 +216,12 @@ Checkpoint read_checkpoint_head(const fs::path& path) {
   return std::move(head.checkpoint);
 }
 
-Checkpoint read_checkpoint(const fs::path& path) {
+Checkpoint read_checkpoint(const fs::path& path, Film film) {
   Input input(path);
   CheckpointHead head = read_head(path, input);
   const std::uint64_t bytes = input.rest();
   check_arrays(path, head, bytes);
+  for_each_array([](const char*, bool, auto& to, auto& from) { to.swap(from); }, head.checkpoint.film, film);
   try {
     read_arrays(path, input, head.arrays, head.checkpoint);
   } catch (const std::bad_alloc&) {

@@ -37,8 +37,9 @@ struct Checkpoint {
 // Replaces the file as a whole: see file_aside.h. Throws Error(Exit::render_failed).
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-// Throws Error(Exit::render_failed) for a file that is not what write_checkpoint has written, and says which part is not.
-Checkpoint read_checkpoint(const std::filesystem::path& path);
+// Throws Error(Exit::render_failed) for a file that is not what write_checkpoint has written, and says which part is not. The film's
+// arrays become those of `film`: its memory is used, and new memory is where its own would be (film_vector.h).
+Checkpoint read_checkpoint(const std::filesystem::path& path, Film film = {});
 
 // The same without the arrays: the film has its size, exponent and number of samples, the layers their names.
 Checkpoint read_checkpoint_head(const std::filesystem::path& path);

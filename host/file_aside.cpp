@@ -18,8 +18,6 @@ namespace fs = std::filesystem;
   throw Error(Exit::render_failed, path.string() + ": " + what + ", expected " + expected);
 }
 
-fs::path directory_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
 // The open file as a path, which linkat can give a name.
 fs::path handle(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
@@ -55,6 +53,8 @@ int flush_directory(const fs::path& directory) {
 }
 
 }  // namespace
+
+fs::path directory_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 std::string system_message(int error) { return std::generic_category().message(error); }
 

@@ -38,6 +38,9 @@ class FileAside {
 // Throws if the file could not be written now; for a failure before a long render instead of after it.
 void require_writable(const std::filesystem::path& path);
 
+// In which a file lies.
+std::filesystem::path directory_of(const std::filesystem::path& file);
+
 // "No space left on device", of an errno.
 std::string system_message(int error);
 

@@ -62,20 +62,23 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
 }
 
 std::optional<double> image_error(const Film& film) {
+  if (film.replicas < 2) return std::nullopt;
   const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
   const double count = static_cast<double>(film.pixels.size());
   std::array<double, 3> image_mean{};
-  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+  for_each_element(film.pixels.size(), [&](std::size_t i) {
     const auto mean = pixel_mean(film, i);
     for (int c = 0; c < 3; ++c) image_mean[c] += mean[c] / count;
-  }
+  }, film);
   const double floor = 0.01 * square(image_mean);
   if (!(floor > 0.0)) return std::nullopt;
   double sum = 0.0;
-  for (std::size_t i = 0; i < film.pixels.size(); ++i)
+  bool complete = true;
+  for_each_element(film.pixels.size(), [&](std::size_t i) {
     if (const auto error = pixel_standard_error(film, i)) sum += square(*error) / (square(pixel_mean(film, i)) + floor);
-    else return std::nullopt;
-  return std::sqrt(sum / count);
+    else complete = false;
+  }, film);
+  return complete ? std::optional(std::sqrt(sum / count)) : std::nullopt;
 }
 
 double pixel_alpha(const Film& film, std::size_t pixel) {
@@ -85,7 +88,7 @@ double pixel_alpha(const Film& film, std::size_t pixel) {
 
 std::uint64_t rejected_samples(const Film& film) {
   std::uint64_t sum = 0;
-  for (const FilmPixel& pixel : film.pixels) sum += pixel.rejected;
+  for_each_element(film.pixels.size(), [&](std::size_t i) { sum += film.pixels[i].rejected; }, film);
   return sum;
 }
 

@@ -17,6 +17,7 @@
 #include <cassert>
 #include <cerrno>
 #include <cmath>
+#include <csetjmp>
 #include <cstdio>
 #include <system_error>
 
@@ -87,11 +88,11 @@ std::vector<Imf::Header> exr_headers(const ImageWindow& window, const std::vecto
 }
 
 template <class Value>
-void write_pixels(Imf::OutputPart& out, const std::vector<std::string>& channels, const ValuesOfPixel<Value>& values) {
+void write_pixels(Imf::OutputPart& out, const ImagePart& part, const ValuesOfPixel<Value>& values) {
   static_assert(sizeof(Value) == 4);
   constexpr int rows_at_once = 64;  // whole blocks of ZIP, which have 16
   const Imath::Box2i window = out.header().dataWindow();
-  const std::size_t count = channels.size(), width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  const std::size_t count = part.channels.size(), width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
   std::vector<Value> buffer(count * width * rows_at_once);
   for (int top = window.min.y; top <= window.max.y; top += rows_at_once) {
     const std::size_t rows = static_cast<std::size_t>(std::min(rows_at_once, window.max.y - top + 1));
@@ -102,20 +103,60 @@ void write_pixels(Imf::OutputPart& out, const std::vector<std::string>& channels
     Imf::FrameBuffer pixels;
     const std::size_t step = count * sizeof(Value);
     for (std::size_t c = 0; c < count; ++c)
-      pixels.insert(channels[c], Imf::Slice::Make(std::is_same_v<Value, float> ? Imf::FLOAT : Imf::UINT, buffer.data() + c,
+      pixels.insert(part.channels[c], Imf::Slice::Make(std::is_same_v<Value, float> ? Imf::FLOAT : Imf::UINT, buffer.data() + c,
                                                   Imath::V2i(window.min.x, top), static_cast<std::int64_t>(width),
                                                   static_cast<std::int64_t>(rows), step, step * width));
     out.setFrameBuffer(pixels);
     out.writePixels(static_cast<int>(rows));
+    if (part.written) part.written(first, first + rows * width);
   }
-}
-
-[[maybe_unused]] bool covers(const PixelValues& channel, std::size_t pixels) {
-  return pixels > 0 && channel.stride > 0 && (channel.values.size() - 1) / channel.stride >= pixels - 1;
 }
 
 std::uint8_t srgb_byte(float linear) {
   return static_cast<std::uint8_t>(std::floor(255.0 * srgb_encoded(tone_mapped(linear)) + 0.5));
+}
+
+// libpng leaves by longjmp: everything that has a destructor lives here, outside the function that is jumped over.
+struct PngWriter {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::string message;
+  std::vector<float> rgb;
+  std::vector<png_byte> bytes;
+
+  PngWriter() = default;
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+[[noreturn]] void on_png_error(png_structp png, png_const_charp message) {
+  static_cast<PngWriter*>(png_get_error_ptr(png))->message = message;
+  png_longjmp(png, 1);
+}
+
+void on_png_warning(png_structp, png_const_charp) {}
+
+bool begin_png(PngWriter& writer, std::FILE* file, unsigned width, unsigned height) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  png_init_io(writer.png, file);
+  png_set_IHDR(writer.png, writer.info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(writer.png, writer.info);
+  return true;
+}
+
+bool write_png_rows(PngWriter& writer, std::size_t row_bytes) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  for (std::size_t row = 0; row < writer.bytes.size(); row += row_bytes) png_write_row(writer.png, writer.bytes.data() + row);
+  return true;
+}
+
+bool end_png(PngWriter& writer) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  png_write_end(writer.png, writer.info);
+  return true;
 }
 
 }  // namespace
@@ -130,7 +171,7 @@ void write_exr(const fs::path& path, const ImageWindow& window, const std::vecto
     Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
     for (std::size_t i = 0; i < parts.size(); ++i) {
       Imf::OutputPart out(file, static_cast<int>(i));
-      std::visit([&](const auto& values) { write_pixels(out, parts[i].channels, values); }, parts[i].values);
+      std::visit([&](const auto& values) { write_pixels(out, parts[i], values); }, parts[i].values);
     }
   } catch (const std::bad_alloc&) {
     throw;
@@ -141,24 +182,24 @@ void write_exr(const fs::path& path, const ImageWindow& window, const std::vecto
   aside.commit();
 }
 
-void write_png(const fs::path& path, unsigned width, unsigned height, const std::array<PixelValues, 3>& rgb) {
-  const std::size_t pixels = std::size_t{width} * height;
-  std::vector<std::uint8_t> bytes(3 * pixels);
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    assert(covers(rgb[channel], pixels));
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-      bytes[3 * pixel + channel] = srgb_byte(rgb[channel].values[pixel * rgb[channel].stride]);
-    }
-  }
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = width;
-  image.height = height;
-  image.format = PNG_FORMAT_RGB;
+void write_png(const fs::path& path, unsigned width, unsigned height, const RgbOfPixels& rgb) {
+  constexpr unsigned rows_at_once = 16;
   FileAside aside(path);
-  if (!png_image_write_to_stdio(&image, aside.file(), 0, bytes.data(), 0, nullptr)) {
-    fail(path, std::string("cannot be written: ") + image.message, "room for the whole image and a size that PNG allows");
+  PngWriter writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, on_png_error, on_png_warning);
+  if (writer.png) writer.info = png_create_info_struct(writer.png);
+  if (!writer.info) throw std::bad_alloc();
+  const std::size_t row = std::size_t{3} * width;
+  bool good = begin_png(writer, aside.file(), width, height);
+  for (unsigned y = 0; good && y < height; y += rows_at_once) {
+    writer.rgb.resize(row * std::min(rows_at_once, height - y));
+    rgb(std::size_t{y} * width, writer.rgb);
+    writer.bytes.resize(writer.rgb.size());
+    std::transform(writer.rgb.begin(), writer.rgb.end(), writer.bytes.begin(), srgb_byte);
+    good = write_png_rows(writer, row);
   }
+  if (!good || !end_png(writer))
+    fail(path, "cannot be written: " + writer.message, "room for the whole image and a size that PNG allows");
   aside.commit();
 }
 

@@ -2,7 +2,6 @@
 // that name stays as it was (file_aside.h). Failures are Error(Exit::render_failed).
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,13 +15,6 @@
 #include "file_aside.h"
 
 namespace oclair {
-
-// One value for each pixel, rows from top to bottom: values[pixel * stride]. A plane has stride 1; a component of
-// interleaved pixels is the span from its first value on, with the number of components as stride.
-struct PixelValues {
-  std::span<const float> values;
-  std::size_t stride = 1;
-};
 
 // The pixels of a file as a part of the full film; what lies outside is not stored.
 struct ImageWindow {
@@ -40,7 +32,11 @@ struct ImagePart {
   std::string name;                   // unlike those of the other parts
   std::vector<std::string> channels;  // full names, "layer.channel" or a standard one; no two are alike
   std::variant<ValuesOfPixel<float>, ValuesOfPixel<std::uint32_t>> values;  // in the order of the channels
+  std::function<void(std::size_t first, std::size_t end)> written{};        // is told, if there, of pixels that are done
 };
+
+// Sets red, green and blue of consecutive pixels, which count row by row.
+using RgbOfPixels = std::function<void(std::size_t first, std::span<float> rgb)>;
 
 using ImageAttributes = std::vector<std::pair<std::string, std::variant<std::string, int, float>>>;
 
@@ -49,8 +45,9 @@ using ImageAttributes = std::vector<std::pair<std::string, std::variant<std::str
 void write_exr(const std::filesystem::path& path, const ImageWindow& window, const std::vector<ImagePart>& parts,
                const ImageAttributes& attributes = {});
 
-// 8-bit sRGB of red, green and blue in linear sRGB: srgb_encoded(tone_mapped(x)), rounded to nearest; NaN becomes black.
-void write_png(const std::filesystem::path& path, unsigned width, unsigned height, const std::array<PixelValues, 3>& rgb);
+// 8-bit sRGB of a picture in linear sRGB: srgb_encoded(tone_mapped(x)), rounded to nearest; NaN becomes black. Asks for rows from top
+// to bottom, some at a time.
+void write_png(const std::filesystem::path& path, unsigned width, unsigned height, const RgbOfPixels& rgb);
 
 // [-inf, inf] to [0, 1]: x up to the knee at 0.8, then 0.8 + 0.2 (1 - exp(-(x - 0.8) / 0.2)), whose slope at the knee is 1.
 double tone_mapped(double linear);

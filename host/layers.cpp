@@ -113,13 +113,14 @@ std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std:
                                 const std::vector<Layer>& layers) {
   std::vector<ImagePart> parts = {colour_part(film, format, moment_name)};
   const auto any_pixel = [&film](auto holds) {
-    for (std::size_t i = 0; i < film.pixels.size(); ++i)
-      if (holds(i)) return true;
-    return false;
+    bool any = false;
+    for_each_element(film.pixels.size(), [&](std::size_t i) { any = any || holds(i); }, film);
+    return any;
   };
-  if (any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
+  if (film.replicas >= 2 && any_pixel([&](std::size_t i) { return pixel_standard_error(film, i).has_value(); })) parts.push_back(error_part(film));
   if (any_pixel([&](std::size_t i) { return film.pixels[i].rejected != film.pixels[0].rejected; }))
     parts.push_back(count_part(film));
+  for (ImagePart& part : parts) part.written = [&film](std::size_t first, std::size_t end) { release(film, first, end); };
   for (std::size_t first = 0, end; first < layers.size(); first = end) {
     for (end = first + 1; end < layers.size() && part_name(layers[end]) == part_name(layers[first]);) ++end;
     parts.push_back(layer_part({layers.data() + first, end - first}));
@@ -127,12 +128,14 @@ std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std:
   return parts;
 }
 
-std::vector<float> rgb_of(const Film& film) {
-  std::vector<float> values;
-  values.reserve(3 * film.pixels.size());
-  for (std::size_t i = 0; i < film.pixels.size(); ++i)
-    for (double c : pixel_mean(film, i)) values.push_back(static_cast<float>(c));
-  return values;
+RgbOfPixels rgb_of(const Film& film) {
+  return [&film](std::size_t first, std::span<float> rgb) {
+    for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
+      const auto mean = pixel_mean(film, first + i);
+      for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = static_cast<float>(mean[c]);
+    }
+    release(film, first, first + rgb.size() / 3);
+  };
 }
 
 }  // namespace oclair

@@ -26,7 +26,7 @@ bool holds_integers(const Layer& layer);
 std::vector<ImagePart> parts_of(const Film& film, PixelFormat format, const std::string& moment_name,
                                 const std::vector<Layer>& layers);
 
-// Linear sRGB of each pixel, three floats a pixel.
-std::vector<float> rgb_of(const Film& film);
+// Linear sRGB of the film, which it reads when it is called.
+RgbOfPixels rgb_of(const Film& film);
 
 }  // namespace oclair

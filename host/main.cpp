@@ -6,6 +6,7 @@
 #include <new>
 
 #include "commands/commands.h"
+#include "signals.h"
 
 namespace oclair {
 namespace {
@@ -53,6 +54,7 @@ int report(Exit exit, const std::string& message) {
 int main(int argc, char** argv) {
   using namespace oclair;
   open_closed_streams();
+  expect_faults_of_disks();
   try {
     const Exit exit = run(argc, argv);
     flush_results();

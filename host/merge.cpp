@@ -58,6 +58,23 @@ void add_layers(std::vector<Layer>& layers, std::vector<Layer> more) {
                    [](const Layer& a, const Layer& b) { return aov_order(a.name) < aov_order(b.name); });
 }
 
+void add_to(FilmPixel& sum, const FilmPixel& other) {
+  for (int c = 0; c < 3; ++c) add(sum.sum[c], other.sum[c]);
+  sum.rejected += other.rejected;
+  sum.hits += other.hits;
+}
+
+void add_to(FilmMoments& sum, const FilmMoments& other) {
+  for (int k = 0; k < 6; ++k) add(sum.product[k], other.product[k]);
+}
+
+void add_to(FilmErrors& sum, const FilmErrors& other) {
+  for (int c = 0; c < 3; ++c) {
+    add(sum.sum[c], other.sum[c]);
+    add(sum.square[c], other.square[c]);
+  }
+}
+
 }  // namespace
 
 Identity with_film(const Checkpoint& checkpoint) {
@@ -99,18 +116,11 @@ void add_samples(Checkpoint& sum, Checkpoint part, const std::string& name) {
     throw Error(Exit::render_failed, name + ": only one of the films has second moments, expected both or neither");
   if (part.ranges.front().first < sum.ranges.front().first) std::swap(sum, part);
   Film& film = sum.film;
-  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
-    for (int c = 0; c < 3; ++c) add(film.pixels[i].sum[c], part.film.pixels[i].sum[c]);
-    film.pixels[i].rejected += part.film.pixels[i].rejected;
-    film.pixels[i].hits += part.film.pixels[i].hits;
-  }
-  for (std::size_t i = 0; i < film.moments.size(); ++i)
-    for (int k = 0; k < 6; ++k) add(film.moments[i].product[k], part.film.moments[i].product[k]);
-  for (std::size_t i = 0; i < film.errors.size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      add(film.errors[i].sum[c], part.film.errors[i].sum[c]);
-      add(film.errors[i].square[c], part.film.errors[i].square[c]);
-    }
+  for_each_array(
+      [](const char*, bool, auto& to, const auto& from) {
+        for_each_element(to.size(), [&](std::size_t i) { add_to(to[i], from[i]); }, to, from);
+      },
+      film, part.film);
   film.samples += part.film.samples;
   film.replicas += part.film.replicas;
   film.rays += part.film.rays;

@@ -124,6 +124,12 @@ void Progress::end() {
   phase_.clear();
 }
 
+void Progress::memory(const std::string& plan, std::uint64_t film_bytes) {
+  end();
+  if (face_ == Face::json) write_event(out_, "memory", clock_() - started_, {{"film", film_bytes}, {"plan", plan}});
+  else out_ << format("%-8s", "memory") << plan << std::endl;
+}
+
 void Progress::wrote_file(const std::string& path) {
   if (face_ == Face::json) write_event(out_, "file", clock_() - started_, {{"path", path}});
 }

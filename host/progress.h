@@ -35,6 +35,7 @@ class Progress {
   void samples(std::uint64_t done, std::optional<std::uint64_t> wanted, const SampleFigures& figures = {});
   void end();  // does nothing between phases
 
+  void memory(const std::string& plan, std::uint64_t film_bytes);  // what a render is about to take, between phases
   void wrote_file(const std::string& path);        // a person reads the names on standard output
   void wrote_checkpoint(const std::string& path);  // silent for a person
   void warning(const std::string& message);        // one line; the running phase goes on below it

@@ -1,6 +1,7 @@
 #include "render.h"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 
 #include "error.h"
@@ -37,37 +38,82 @@ std::size_t pixel_count(const Renderer& renderer) {
   return std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height;
 }
 
-// The arrays of a film of this size.
-void allocate(const Renderer& renderer, Film& film) {
-  const std::size_t count = pixel_count(renderer);
-  film.pixels.resize(count);
-  film.errors.resize(count);
-  if (renderer.moments()) film.moments.resize(count);
+// An array like that one.
+template <class T>
+FilmVector<T> place_array(const FilmVector<T>&, std::size_t count, const FilmDirectory& directory) {
+  return FilmVector<T>(count, FilmAllocator<T>(directory));
 }
 
-// Calls copy(buffer, bytes, array) for each of the film's arrays, array being where the band begins in it.
+// The arrays of a film of this size, where the plan says; those that are there stay.
+void allocate(const Renderer& renderer, Film& film) {
+  const std::size_t count = pixel_count(renderer);
+  for_each_array(
+      [&](const char*, bool, const cl::Buffer& buffer, auto& array) {
+        if (buffer() && array.size() != count) array = place_array(array, count, renderer.plan.directory);
+      },
+      renderer.film, film);
+}
+
+// Calls copy(buffer, offset, bytes, array) for pieces of each of the film's arrays, array being where the piece lies in it and offset, in
+// bytes, where in the buffer, which holds the band.
 template <class AnyFilm, class Copy>
 void copy_band(const Renderer& renderer, std::size_t band, AnyFilm& film, Copy copy) {
-  const std::size_t first = band * renderer.plan.rows * renderer.settings.crop_width;
-  const std::size_t count = std::min(pixel_count(renderer) - first, std::size_t{renderer.plan.rows} * renderer.settings.crop_width);
-  copy(renderer.film, count * sizeof(FilmPixel), film.pixels.data() + first);
-  copy(renderer.errors, count * sizeof(FilmErrors), film.errors.data() + first);
-  if (renderer.moments()) copy(renderer.moments, count * sizeof(FilmMoments), film.moments.data() + first);
+  const std::size_t begin = band * renderer.plan.rows * renderer.settings.crop_width;
+  const std::size_t count = std::min(pixel_count(renderer) - begin, std::size_t{renderer.plan.rows} * renderer.settings.crop_width);
+  for_each_array(
+      [&](const char*, bool, const cl::Buffer& buffer, auto& array) {
+        constexpr std::size_t element = sizeof array[0];
+        if (!buffer()) return;
+        for_each_piece(count, [&](std::size_t first, std::size_t end) {
+          copy(buffer, first * element, (end - first) * element, array.data() + begin + first);
+          release(array, begin + first, begin + end);
+        });
+      },
+      renderer.film, film);
 }
 
 void read_band(const Renderer& renderer, std::size_t band, Film& film) {
-  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t bytes, void* array) {
-    renderer.device->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, bytes, array);
+  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t offset, std::size_t bytes, void* array) {
+    renderer.device->queue.enqueueReadBuffer(buffer, CL_TRUE, offset, bytes, array);
   });
 }
 
 void write_band(const Renderer& renderer, std::size_t band, const Film& film) {
-  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t bytes, const void* array) {
-    renderer.device->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, array);
+  copy_band(renderer, band, film, [&](const cl::Buffer& buffer, std::size_t offset, std::size_t bytes, const void* array) {
+    renderer.device->queue.enqueueWriteBuffer(buffer, CL_TRUE, offset, bytes, array);
   });
 }
 
+void read_whole(const Renderer& renderer, Film& film) {
+  allocate(renderer, film);
+  try {
+    read_band(renderer, 0, film);
+  } catch (const cl::Error& error) {
+    throw device_error(*renderer.device, error);
+  }
+}
+
+void swap_arrays(Film& a, Film& b) {
+  for_each_array([](const char*, bool, auto& array, auto& other) { array.swap(other); }, a, b);
+}
+
+// All but the arrays.
+void set_counts(const Renderer& renderer, Film& film) {
+  film.width = renderer.settings.crop_width;
+  film.height = renderer.settings.crop_height;
+  film.exponent = renderer.settings.film_exponent;
+  film.samples = renderer.samples;
+  film.replicas = renderer.samples / REPLICA_SAMPLES;
+  film.rays = ray_count(renderer);
+}
+
 }  // namespace
+
+Film empty_film(const FilmDirectory& directory) {
+  Film film;
+  for_each_array([&](const char*, bool, auto& array) { array = place_array(array, 0, directory); }, film);
+  return film;
+}
 
 std::size_t padded_pixels(const Settings& settings) {
   const std::size_t across = (settings.crop_width + TILE_WIDTH - 1) / TILE_WIDTH;
@@ -81,20 +127,24 @@ KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
   return {features, bvh.width, bvh.stack_size(), scene.approximations};
 }
 
-Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, std::size_t most_film) {
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, const FilmLimits& limits) {
+  return start_render(device, scene, bvh, plan_film(device, scene, plan_buffers(scene, bvh), limits));
+}
+
+Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, const FilmPlan& film) {
   const std::vector<BufferPlan> plan = plan_buffers(scene, bvh);
-  const FilmPlan film = plan_film(device, scene, plan, most_film);
   check_memory(device, plan, film);
   try {
-    Renderer renderer{&device, scene.settings, film, upload(device, plan), zeroed(device, film.film), zeroed(device, film.moments),
-                      zeroed(device, film.errors), zeroed(device, max_launch * sizeof(cl_ulong)), {}};
+    Renderer renderer{&device, scene.settings, film, upload(device, plan),
+                      {zeroed(device, film.film), zeroed(device, film.moments), zeroed(device, film.errors)},
+                      zeroed(device, max_launch * sizeof(cl_ulong)), {}};
+    if (film.bands > 1) allocate(renderer, renderer.on_host);
     renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
-    renderer.kernel.setArg(next, renderer.film);
-    renderer.kernel.setArg(next + 1, renderer.moments);
-    renderer.kernel.setArg(next + 2, renderer.errors);
+    renderer.kernel.setArg(next, renderer.film.pixels);
+    renderer.kernel.setArg(next + 1, renderer.film.moments);
+    renderer.kernel.setArg(next + 2, renderer.film.errors);
     renderer.kernel.setArg(next + 3, renderer.rays);
-    if (film.bands > 1) allocate(renderer, renderer.on_host);
     launch(renderer, 0, 0, WORK_GROUP_SIZE, 0);  // PoCL compiles at the first launch: here, not in the first pass
     return renderer;
   } catch (const cl::Error& error) {
@@ -107,6 +157,7 @@ void render_pass(Renderer& renderer, uint samples, const std::function<void(doub
   const std::size_t band_items = count / ((renderer.settings.crop_height + TILE_WIDTH - 1) / TILE_WIDTH) *
                                  ((renderer.plan.rows + TILE_WIDTH - 1) / TILE_WIDTH);
   const bool several = renderer.plan.bands > 1;
+  assert(!several || !renderer.on_host.pixels.empty());
   try {
     for (std::size_t band = 0; band < renderer.plan.bands; ++band) {
       if (several) write_band(renderer, band, renderer.on_host);
@@ -136,26 +187,25 @@ std::uint64_t ray_count(const Renderer& renderer) {
 
 Film read_film(const Renderer& renderer) {
   Film film = renderer.on_host;
-  film.width = renderer.settings.crop_width;
-  film.height = renderer.settings.crop_height;
-  film.exponent = renderer.settings.film_exponent;
-  film.samples = renderer.samples;
-  film.replicas = renderer.samples / REPLICA_SAMPLES;
-  film.rays = ray_count(renderer);
-  if (renderer.plan.bands > 1) return film;
-  allocate(renderer, film);
-  try {
-    read_band(renderer, 0, film);
-  } catch (const cl::Error& error) {
-    throw device_error(*renderer.device, error);
-  }
+  set_counts(renderer, film);
+  if (renderer.plan.bands == 1) read_whole(renderer, film);
   return film;
 }
 
-void restore_film(Renderer& renderer, const Film& film) {
+void take_film(Renderer& renderer, Film& film) {
+  set_counts(renderer, film);
+  if (renderer.plan.bands == 1) read_whole(renderer, film);
+  else if (!renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
+}
+
+void return_film(Renderer& renderer, Film& film) {
+  if (renderer.plan.bands > 1 && renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
+}
+
+void restore_film(Renderer& renderer, Film film) {
   const Settings& settings = renderer.settings;
   const std::size_t count = pixel_count(renderer);
-  const bool moments = renderer.moments() != nullptr;
+  const bool moments = renderer.film.moments() != nullptr;
   if (film.width != settings.crop_width || film.height != settings.crop_height || film.exponent != settings.film_exponent ||
       film.pixels.size() != count || film.moments.size() != (moments ? count : 0))
     throw Error(Exit::render_failed, "film: " + description(film.width, film.height, film.exponent, !film.moments.empty()) +
@@ -166,7 +216,7 @@ void restore_film(Renderer& renderer, const Film& film) {
                                          std::to_string(film.samples / REPLICA_SAMPLES) + " replicas");
   try {
     renderer.device->queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
-    if (renderer.plan.bands > 1) renderer.on_host = film;
+    if (renderer.plan.bands > 1) swap_arrays(renderer.on_host, film);
     else write_band(renderer, 0, film);
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);

@@ -1,6 +1,7 @@
 #include "signals.h"
 
 #include <time.h>
+#include <unistd.h>
 
 #include <atomic>
 
@@ -35,7 +36,28 @@ extern "C" void on_stop(int signal) {
 
 extern "C" void on_write(int) { write_wanted = true; }
 
+extern "C" void on_bus_error(int signal, siginfo_t* info, void*) {
+  if (info->si_code != BUS_ADRERR) {  // a fault of our own
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+    return;
+  }
+  constexpr char message[] =
+      "oclair: memory: a page of a file cannot be read or written, expected a disk that works and has room; the checkpoint is as it was\n";
+  (void)!write(STDERR_FILENO, message, sizeof message - 1);
+  _exit(1);
+}
+
 }  // namespace
+
+void expect_faults_of_disks() {
+  ::signal(SIGXFSZ, SIG_IGN);
+  struct sigaction action {};
+  action.sa_sigaction = on_bus_error;
+  action.sa_flags = SA_SIGINFO;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGBUS, &action, nullptr);
+}
 
 SignalHandlers::SignalHandlers() {
   first_stop = 0;
@@ -46,6 +68,7 @@ SignalHandlers::SignalHandlers() {
 }
 
 void SignalHandlers::take_back() const {
+  expect_faults_of_disks();
   for (std::size_t i = 0; i < caught.size(); ++i) {
     struct sigaction action {};
     action.sa_handler = caught[i] == SIGPIPE ? SIG_IGN : caught[i] == SIGUSR1 ? on_write : on_stop;

@@ -26,6 +26,10 @@ class SignalHandlers {
   std::array<struct sigaction, 4> before_;
 };
 
+// Of a full or failing disk: writing beyond what the user allows a file (ulimit -f) fails instead of ending the process, and a page of a
+// mapped file that cannot be read or written ends it with a message and exit code 1. For the whole program; take_back does it again.
+void expect_faults_of_disks();
+
 bool stop_requested();
 int stop_signal();          // SIGINT or SIGTERM; 0: none has come
 bool take_write_request();  // true once for each SIGUSR1, or for several of them

@@ -36,8 +36,8 @@ std::string format(const char* pattern, double a, double b, double c) {
 
 }  // namespace
 
-ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples)
-    : target_(target), confidence_(confidence), block_(block_samples) {
+ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples, FilmDirectory directory)
+    : target_(target), confidence_(confidence), block_(block_samples), pixels_(FilmAllocator<Pixel>(std::move(directory))) {
   assert(target > 0.0 && confidence > 0.0 && confidence < 1.0 && block_samples > 0);
 }
 
@@ -49,10 +49,10 @@ void ErrorMonitor::add(const Film& film) {
   }
   film_error_ = image_error(film);
   if (!pair_begun_) {
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    for_each_pixel(film, [&](std::size_t i) {
       const auto block = take_block(film, i);
       for (int c = 0; c < 3; ++c) pixels_[i].first[c] = static_cast<float>(block[c]);
-    }
+    });
     samples_ = film.samples;
     pair_begun_ = true;
     return;
@@ -61,16 +61,17 @@ void ErrorMonitor::add(const Film& film) {
   const std::size_t row_of_cells = (film.width + cell_side - 1) / cell_side;
   std::vector<double> cells(row_of_cells * ((film.height + cell_side - 1) / cell_side), 0.0);
   double y = 0.0;
-  for (std::size_t row = 0, i = 0; row < film.height; ++row)
-    for (std::size_t column = 0; column < film.width; ++column, ++i) {
-      auto difference = take_block(film, i);
-      for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
-      const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
-      pixels_[i].largest = std::max(pixels_[i].largest, variance);
-      if (!black_) pixels_[i].variance_sum += variance;
-      y += weighted;
-      cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
-    }
+  std::size_t row = 0, column = 0;
+  for_each_pixel(film, [&](std::size_t i) {
+    auto difference = take_block(film, i);
+    for (int c = 0; c < 3; ++c) difference[c] -= pixels_[i].first[c];
+    const double variance = 0.5 * square(difference), weighted = pixels_[i].weight * variance;
+    pixels_[i].largest = std::max(pixels_[i].largest, variance);
+    if (!black_) pixels_[i].variance_sum += variance;
+    y += weighted;
+    cells[row / cell_side * row_of_cells + column / cell_side] += weighted;
+    if (++column == film.width) column = 0, ++row;
+  });
   if (!black_) {
     const double count = static_cast<double>(pixels_.size());
     y /= count;
@@ -84,13 +85,19 @@ void ErrorMonitor::add(const Film& film) {
   set_weights(film);
 }
 
+// Calls body(i) for each pixel; what lies in files does not stay in memory behind it.
+template <class Body>
+void ErrorMonitor::for_each_pixel(const Film& film, const Body& body) {
+  for_each_element(pixels_.size(), body, film, pixels_);
+}
+
 // Takes the film as where the next pair begins.
 void ErrorMonitor::rebase(const Film& film) {
   if (pixels_.size() != film.pixels.size()) {
-    pixels_.assign(film.pixels.size(), Pixel{});
+    pixels_ = FilmVector<Pixel>(film.pixels.size(), pixels_.get_allocator());
     unknown_pixels_ = 0;
   }
-  for (std::size_t i = 0; i < pixels_.size(); ++i) take_block(film, i);
+  for_each_pixel(film, [&](std::size_t i) { take_block(film, i); });
   samples_ = film.samples;
   pair_begun_ = false;
   set_weights(film);
@@ -99,15 +106,15 @@ void ErrorMonitor::rebase(const Film& film) {
 void ErrorMonitor::set_weights(const Film& film) {
   const double count = static_cast<double>(pixels_.size());
   std::array<double, 3> mean{};
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  for_each_pixel(film, [&](std::size_t i) {
     const auto pixel = known_mean(film, i);
     for (int c = 0; c < 3; ++c) mean[c] += pixel[c] / count;
-  }
+  });
   const double floor = floor_share * square(mean);
   black_ = !(floor > 0.0);
   if (floor > most_growth * sequence_floor_) begin_sequence(floor);
   variance_mean_ = variance_square_mean_ = variance_most_ = pixel_burst_ = 0.0;
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  for_each_pixel(film, [&](std::size_t i) {
     Pixel& pixel = pixels_[i];
     pixel.weight = black_ ? 0.0 : 1.0 / (square(known_mean(film, i)) + floor);
     pixel_burst_ = std::max(pixel_burst_, pixel.weight * pixel.largest / count);
@@ -115,7 +122,7 @@ void ErrorMonitor::set_weights(const Film& film) {
     variance_mean_ += variance / count;
     variance_square_mean_ += variance * variance / count;
     variance_most_ = std::max(variance_most_, variance);
-  }
+  });
 }
 
 // Forgets the pairs so far: the weights that they were seen with came from a picture that lacked most of its light.
@@ -124,7 +131,7 @@ void ErrorMonitor::begin_sequence(double floor) {
   sequence_floor_ = floor;
   pairs_ = 0;
   mean_ = square_sum_ = largest_burst_ = 0.0;
-  for (Pixel& pixel : pixels_) pixel.variance_sum = 0.0;
+  for_each_element(pixels_.size(), [&](std::size_t i) { pixels_[i].variance_sum = 0.0; }, pixels_);
 }
 
 // The pixel's mean, from the sums that take_block left.

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "render.h"
 
@@ -22,8 +21,20 @@ class ErrorMonitor {
   // Samples of a block: as many as a replica of the film has, so that blocks are independent whatever the sampler.
   static constexpr std::uint64_t usual_block = REPLICA_SAMPLES;
 
-  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0.
-  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block);
+  // What is kept of each pixel.
+  struct Pixel {
+    std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
+    std::uint64_t rejected;       // up to the last film
+    std::array<float, 3> first;   // mean of the first block of a pair
+    bool unknown;                 // all samples of a block were left out
+    double largest;               // of all pairs, in earlier sequences too: |difference of two block means|^2 / 2
+    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
+    double variance_sum;          // over the pairs of the sequence: that, without weight
+  };
+
+  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. The pixels lie in `directory`, as
+  // those of a film would (film_vector.h).
+  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, FilmDirectory directory = {});
 
   // The film after another block: counts where the samples of a pixel are a multiple of the block's. A film that is further on by
   // more than a block costs what lies between, and a pair that was begun; the first film (a resumed one, too) only gives weights.
@@ -38,16 +49,8 @@ class ErrorMonitor {
   std::optional<std::uint64_t> samples_expected() const;  // per pixel, until the bound reaches the target
 
  private:
-  struct Pixel {
-    std::array<double, 3> sum;    // of the samples up to the last film, in units of 2^film_exponent as all that follows
-    std::uint64_t rejected;       // up to the last film
-    std::array<float, 3> first;   // mean of the first block of a pair
-    bool unknown;                 // all samples of a block were left out
-    double largest;               // of all pairs, in earlier sequences too: |difference of two block means|^2 / 2
-    double weight;                // 1 / (|mu|^2 + floor), from what was known before the pair
-    double variance_sum;          // over the pairs of the sequence: that, without weight
-  };
-
+  template <class Body>
+  void for_each_pixel(const Film& film, const Body& body);
   void rebase(const Film& film);
   void set_weights(const Film& film);
   void begin_sequence(double floor);
@@ -62,7 +65,7 @@ class ErrorMonitor {
   std::uint64_t samples_ = 0;  // of the last film that counted
   std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
   bool pair_begun_ = false, black_ = true;
-  std::vector<Pixel> pixels_;
+  FilmVector<Pixel> pixels_;
   std::uint64_t unknown_pixels_ = 0;
 
   // The sequence of pairs that the bound rests on begins anew when the picture turns out to be much brighter than when it

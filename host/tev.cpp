@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <cstring>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "error.h"
 #include "progress.h"
@@ -129,10 +129,9 @@ void TevClient::connect() {
   give_up(why);
 }
 
-void TevClient::show(const std::string& name, unsigned width, unsigned height, std::span<const float> rgb) {
-  assert(rgb.size() == std::size_t{3} * width * height);
-  if (!connected() || rgb.empty()) return;
-  const double deadline = steady_seconds() + patience_ + static_cast<double>(rgb.size_bytes()) / slowest;
+void TevClient::show(const std::string& name, unsigned width, unsigned height, const RgbOfPixels& rgb) {
+  if (!connected() || width == 0 || height == 0) return;
+  const double deadline = steady_seconds() + patience_ + 12.0 * width * height / slowest;
   if (name != shown_name_ || width != shown_width_ || height != shown_height_) {
     send(Packet(Operation::create_image).flag(false).text(name).int32(width).int32(height).channel_names().finished(), deadline);
     shown_name_ = name;
@@ -142,13 +141,16 @@ void TevClient::show(const std::string& name, unsigned width, unsigned height, s
   // Everything but the pixels takes 79 bytes and the name.
   const std::size_t row_bytes = std::size_t{12} * width, room = largest_packet - std::min(largest_packet, 79 + name.size());
   const unsigned rows = static_cast<unsigned>(std::clamp<std::size_t>(room / row_bytes, 1, height));
+  std::vector<float> values;
   for (unsigned y = 0; y < height && connected(); y += rows) {
     const unsigned count = std::min(rows, height - y);
     Packet packet(Operation::update_image);
     packet.flag(false).text(name).channel_names().int32(0).int32(y).int32(width).int32(count);
     for (std::uint64_t channel = 0; channel < 3; ++channel) packet.int64(channel);  // offset of its first value
     for (int channel = 0; channel < 3; ++channel) packet.int64(3);                  // values from one to the next
-    for (const float value : rgb.subspan(std::size_t{3} * width * y, std::size_t{3} * width * count)) packet.float32(value);
+    values.resize(std::size_t{3} * width * count);
+    rgb(std::size_t{width} * y, values);
+    for (const float value : values) packet.float32(value);
     send(packet.finished(), deadline);
   }
 }

@@ -4,8 +4,9 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
+
+#include "image.h"
 
 namespace oclair {
 
@@ -24,9 +25,9 @@ class TevClient {
   TevClient& operator=(const TevClient&) = delete;
   ~TevClient();
 
-  // Shows an image under this name in place of the one before: rows from the top, `rgb` 3 values a pixel. The first one of a name
-  // or size makes it appear. Does nothing without a connection.
-  void show(const std::string& name, unsigned width, unsigned height, std::span<const float> rgb);
+  // Shows an image under this name in place of the one before: rows from the top. The first one of a name or size makes it appear.
+  // Does nothing without a connection.
+  void show(const std::string& name, unsigned width, unsigned height, const RgbOfPixels& rgb);
 
   bool connected() const { return socket_ >= 0; }
   std::optional<std::string> take_warning();  // what went wrong, once

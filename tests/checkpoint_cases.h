@@ -61,9 +61,9 @@ inline Checkpoint random_checkpoint(std::vector<SampleRange> ranges, std::uint64
   return checkpoint;
 }
 
-template <typename T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+template <typename Array>
+bool same_bytes(const Array& a, const Array& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0);
 }
 
 inline void expect_same_film(const Film& a, const Film& b) {

@@ -20,7 +20,7 @@ void expect_promise(double deviation, const Draw& draw) {
     const float x = draw(i % REPLICA_SAMPLES), y = draw(i % REPLICA_SAMPLES), z = draw(i % REPLICA_SAMPLES);
     samples.push_back({x, y, z});
   }
-  Film film{1, 1, 0, replicas * REPLICA_SAMPLES, std::vector<FilmPixel>(pixels), {}, std::vector<FilmErrors>(pixels), replicas};
+  Film film{1, 1, 0, replicas * REPLICA_SAMPLES, FilmVector<FilmPixel>(pixels), {}, FilmVector<FilmErrors>(pixels), replicas};
   run_with({every_feature & ~FEATURE_MOMENTS}, "film_test.cl", "add_in_replicas", pixels, samples,
            static_cast<cl_uint>(replicas * REPLICA_SAMPLES), cl_ulong{0}, cl_int{0}, out(film.pixels), out(film.errors));
   double promised = 0.0, spread = 0.0, covered = 0.0;

@@ -102,8 +102,8 @@ void expect_sums(const FilmPixel& pixel, const FilmMoments& moments, const Sums&
 }
 
 struct Pixels {
-  std::vector<FilmPixel> pixels;
-  std::vector<FilmMoments> moments;
+  FilmVector<FilmPixel> pixels;
+  FilmVector<FilmMoments> moments;
   explicit Pixels(std::size_t n) : pixels(n), moments(n) {}
 };
 
@@ -113,7 +113,7 @@ void add(Pixels& film, const std::vector<cl_uint>& place, const std::vector<pack
 }
 
 // As many samples for each pixel, in their order from number `first` on.
-void add_in_replicas(std::vector<FilmPixel>& film, std::vector<FilmErrors>& errors, const std::vector<packed_float3>& samples,
+void add_in_replicas(FilmVector<FilmPixel>& film, FilmVector<FilmErrors>& errors, const std::vector<packed_float3>& samples,
                      cl_ulong first, int exponent) {
   run_with({every_feature & ~FEATURE_MOMENTS}, "film_test.cl", "add_in_replicas", film.size(), samples,
            static_cast<cl_uint>(samples.size() / film.size()), first, static_cast<cl_int>(exponent), out(film), out(errors));
@@ -423,8 +423,8 @@ TEST(film_test, sums_and_squares_of_complete_replicas_are_the_exact_integers) {
       const float x = draw(), y = draw(), z = random.below(40) == 0 ? -1.0f : draw();
       samples.push_back({x, y, z});
     }
-    std::vector<FilmPixel> film(pixels);
-    std::vector<FilmErrors> errors(pixels);
+    FilmVector<FilmPixel> film(pixels);
+    FilmVector<FilmErrors> errors(pixels);
     add_in_replicas(film, errors, samples, 7 * REPLICA_SAMPLES, exponent);
     for (std::size_t i = 0; i < pixels; ++i) {
       std::array<Wide, 3> square{};
@@ -448,8 +448,8 @@ TEST(film_test, squares_carry_through_all_limbs) {
   Random random(9);
   const std::size_t n = count_or_small(20000, 50);
   std::vector<Uint128> sum(n);
-  std::vector<FilmPixel> film(n);
-  std::vector<FilmErrors> errors(n);
+  FilmVector<FilmPixel> film(n);
+  FilmVector<FilmErrors> errors(n);
   for (std::size_t i = 0; i < n; ++i) {
     const auto root = static_cast<cl_ulong>(std::sqrt(std::ldexp(static_cast<long double>(1 + random.below(15)), 64)));
     const cl_ulong high = random.below(2) ? root : random.engine() >> (30 + random.below(34));
@@ -459,7 +459,7 @@ TEST(film_test, squares_carry_through_all_limbs) {
     for (ulong& limb : errors[i].square[1]) limb = random.below(2) ? ~cl_ulong{0} : random.engine();
     errors[i].square[1][2] >>= 8;
   }
-  const std::vector<FilmErrors> before = errors;
+  const FilmVector<FilmErrors> before = errors;
   add_in_replicas(film, errors, std::vector<packed_float3>(n * REPLICA_SAMPLES, {0, 0, 0}), 0, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const ulong* limbs = before[i].square[1];
@@ -482,8 +482,8 @@ TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) 
   ASSERT_EQ(n, replicas);
   ASSERT_GT(times_a_power[2], 0u);
   const Uint128 before = sample * REPLICA_SAMPLES * (replicas - 1);
-  std::vector<FilmPixel> film(1);
-  std::vector<FilmErrors> errors(1);
+  FilmVector<FilmPixel> film(1);
+  FilmVector<FilmErrors> errors(1);
   for (int c = 0; c < 3; ++c) {
     for (auto* sum : {film[0].sum[c], errors[0].sum[c]}) sum[0] = static_cast<cl_ulong>(before), sum[1] = static_cast<cl_ulong>(before >> 64);
     std::copy(square.begin(), square.end(), errors[0].square[c]);
@@ -500,7 +500,7 @@ TEST(film_test, the_squares_of_2_to_the_29_replicas_of_the_largest_samples_fit) 
 // |m|^2 = 9 k^2, the mean of the image is (1.5, 3, 3) with the square 20.25.
 TEST(film_test, error_of_the_image_is_the_root_mean_of_relative_squares) {
   const int exponent = 0;
-  Film film{4, 1, exponent, 2 * REPLICA_SAMPLES, std::vector<FilmPixel>(4), {}, std::vector<FilmErrors>(4), 2};
+  Film film{4, 1, exponent, 2 * REPLICA_SAMPLES, FilmVector<FilmPixel>(4), {}, FilmVector<FilmErrors>(4), 2};
   const double d[4] = {0.5, 0.25, 1.0, 0.0};
   double expected = 0.0;
   for (int k = 0; k < 4; ++k) {
@@ -534,8 +534,8 @@ TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
     std::vector<packed_float3> samples;
     for (std::size_t i = 0; i < replicas * REPLICA_SAMPLES + 5; ++i)
       samples.push_back({random.unit24(), 1000.0f + random.unit24(), i == 3 ? -1.0f : 1e-5f * random.unit24()});
-    std::vector<FilmPixel> film(1);
-    std::vector<FilmErrors> errors(1);
+    FilmVector<FilmPixel> film(1);
+    FilmVector<FilmErrors> errors(1);
     add_in_replicas(film, errors, samples, 0, 0);
     const Film read{1, 1, 0, samples.size(), film, {}, errors, replicas};
     const auto error = pixel_standard_error(read, 0);
@@ -576,8 +576,8 @@ TEST(film_test, there_is_no_standard_error_before_two_replicas_are_complete_or_w
 // 2^-36 is the unit of a replica's sum in its square; n squares that err by half a unit^2.
 TEST(film_test, samples_that_are_all_equal_have_no_standard_error) {
   const std::size_t replicas = 6;
-  std::vector<FilmPixel> film(1);
-  std::vector<FilmErrors> errors(1);
+  FilmVector<FilmPixel> film(1);
+  FilmVector<FilmErrors> errors(1);
   add_in_replicas(film, errors, std::vector<packed_float3>(replicas * REPLICA_SAMPLES, {0.1f, 1e-6f, 3e7f}), 0, 0);
   const auto error = pixel_standard_error({1, 1, 0, replicas * REPLICA_SAMPLES, film, {}, errors, replicas}, 0);
   const double resolved = 0x1p-36 / REPLICA_SAMPLES / std::sqrt(2.0 * (replicas - 1));

@@ -27,6 +27,12 @@ std::vector<std::uint32_t> bits(std::span<const float> values, std::size_t strid
   return result;
 }
 
+// One value for each pixel, rows from top to bottom: values[pixel * stride].
+struct PixelValues {
+  std::span<const float> values;
+  std::size_t stride = 1;
+};
+
 // A part of float channels with these values.
 ImagePart planes(const std::string& name, const std::vector<std::pair<std::string, PixelValues>>& channels) {
   ImagePart part{name, {}, {}};
@@ -35,6 +41,15 @@ ImagePart planes(const std::string& name, const std::vector<std::pair<std::strin
     for (std::size_t c = 0; c < channels.size(); ++c) values[c] = channels[c].second.values[pixel * channels[c].second.stride];
   });
   return part;
+}
+
+RgbOfPixels picture(const std::array<PixelValues, 3>& channels) {
+  return [channels](std::size_t first, std::span<float> rgb) {
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      const PixelValues& channel = channels[i % 3];
+      rgb[i] = channel.values[(first + i / 3) * channel.stride];
+    }
+  };
 }
 
 constexpr ImageWindow window_3_by_2 = {3, 2, 0, 0, 3, 2};
@@ -55,7 +70,7 @@ void write_noise_exr(const fs::path& path) {
 void write_noise_png(const fs::path& path) {
   std::vector<float> values = noise(256 * 256);
   for (float& value : values) value = std::ldexp(value, -24);
-  write_png(path, 256, 256, {PixelValues{values}, {values}, {values}});
+  write_png(path, 256, 256, picture({PixelValues{values}, {values}, {values}}));
 }
 
 using Writer = void (*)(const fs::path&);
@@ -299,7 +314,7 @@ TEST(image_file_test, png_holds_the_encoded_bytes_in_order) {
   const std::vector<float> red = {0.0f, 0.18f, 0.5f, 1.0f, infinity, not_a_number};
   const std::vector<float> green_blue = {0.0f, -1.0f, 1e30f, 0.0f, 0.0f, -infinity, 0.0f, 0.001f, 0.5f, 0.0f, 0.0f, 0.18f};
   const std::span<const float> both = green_blue;
-  write_png(directory / "a.png", 3, 2, {PixelValues{red}, {both, 2}, {both.subspan(1), 2}});
+  write_png(directory / "a.png", 3, 2, picture({PixelValues{red}, {both, 2}, {both.subspan(1), 2}}));
   EXPECT_EQ(read_png(directory / "a.png"),
             (std::vector<std::uint8_t>{0, 0, 0, 118, 255, 0, 188, 0, 0, 247, 0, 3, 255, 188, 0, 0, 0, 118}));
 }

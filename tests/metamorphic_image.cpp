@@ -217,7 +217,7 @@ TEST(metamorphic_image, film_in_bands_of_several_launches_is_the_film_in_one) {
   const Scene scene = place_scene(world);
   const Bvh bvh = build_bvh(scene, device().bvh_width);
   const auto rendered = [&](std::size_t most_film, uint bands) {
-    Renderer renderer = start_render(device(), scene, bvh, most_film);
+    Renderer renderer = start_render(device(), scene, bvh, {.on_device = most_film});
     EXPECT_EQ(renderer.plan.bands, bands);
     render_pass(renderer, 1);
     return read_film(renderer);
@@ -231,7 +231,7 @@ TEST(metamorphic_image, film_in_bands_is_the_film_in_one) {
   const Scene scene = place_scene(zoo());
   const Bvh bvh = build_bvh(scene, device().bvh_width);
   const auto rendered = [&](std::size_t most_film, uint bands, std::optional<Film> before) {
-    Renderer renderer = start_render(device(), scene, bvh, most_film);
+    Renderer renderer = start_render(device(), scene, bvh, {.on_device = most_film});
     EXPECT_EQ(renderer.plan.bands, bands);
     if (before) restore_film(renderer, *before);
     for (const uint samples : {3u, REPLICA_SAMPLES + 0u}) render_pass(renderer, samples);

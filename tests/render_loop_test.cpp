@@ -275,13 +275,22 @@ TEST_F(render_loop_test, a_film_in_bands_gives_the_same_file) {
 
 TEST_F(render_loop_test, an_image_may_have_one_pixel) { expect_exit(0, render(image("a"), {"--spp", "3", "--size", "1x1"})); }
 
-// 16384^2 x 184 bytes are 46 GiB, in bands if the device has less. Whether this machine would take it on depends on its memory; that it is
-// said beforehand does not.
+// 16384^2 x 184 bytes are 46 GiB.
 TEST_F(render_loop_test, info_plans_the_memory_of_the_largest_images) {
   const ProgramResult small = expect_exit(0, {"info", scene, "--size", "64x64"});
   EXPECT_NE(small.out.find("film                64x64"), std::string::npos) << small.out;
-  EXPECT_EQ(small.out.find("bands"), std::string::npos) << small.out;
+  EXPECT_NE(small.out.find("film                736.0 KiB in memory, all of it on the device"), std::string::npos) << small.out;
   const ProgramResult large = expect_exit(0, {"info", scene, "--size", "16384x16384"});
-  EXPECT_TRUE(large.out.find("46.0 GiB on the host") != std::string::npos || large.out.find("film: 16.0 GiB") != std::string::npos)
-      << large.out;
+  EXPECT_NE(large.out.find("film                46.0 GiB in "), std::string::npos) << large.out;
+}
+
+TEST_F(render_loop_test, the_memory_is_told_before_it_is_taken) {
+  const ProgramResult words = expect_exit(0, render(image("a"), {"--spp", "1", "--aov", "depth"}));
+  const std::size_t told = words.err.find("memory  film: 46.0 KiB in memory, all of it on the device; layers: 1.0 KiB in memory\n");
+  EXPECT_LT(told, words.err.find("kernels ")) << words.err;
+  const auto events = events_of(expect_exit(0, render(image("b"), {"--spp", "1", "--progress", "json"})).err);
+  const auto event = std::find_if(events.begin(), events.end(), [](const auto& e) { return e["event"] == "memory"; });
+  ASSERT_NE(event, events.end());
+  EXPECT_EQ((*event)["film"], 16 * 16 * 184);
+  EXPECT_EQ((*event)["plan"], "film: 46.0 KiB in memory, all of it on the device");
 }

@@ -2,12 +2,16 @@
 #include "../host/signals.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <functional>
 #include <thread>
+
+#include "faults.h"
 
 namespace {
 
@@ -78,6 +82,29 @@ int wait_for_stop(const std::function<void(char)>& say) {
   const int code = 100 + stop_signal();
   comes_true([] { return false; });  // goes on until the second signal, or ten seconds
   return code;
+}
+
+TEST(signals_test, a_page_that_cannot_be_read_ends_the_program_with_a_message_and_exit_code_1) {
+  const auto read_behind_the_end = [] {
+    expect_faults_of_disks();
+    std::FILE* const file = std::tmpfile();
+    const auto* const page = static_cast<volatile char*>(mmap(nullptr, 1, PROT_READ, MAP_SHARED, fileno(file), 0));
+    _exit(100 + *page);
+  };
+  EXPECT_EXIT(read_behind_the_end(), testing::ExitedWithCode(1), "^oclair: memory: a page of a file cannot be read or written, expected ");
+  EXPECT_EXIT((expect_faults_of_disks(), raise(SIGBUS)), testing::KilledBySignal(SIGBUS), "");  // nobody's disk
+}
+
+TEST(signals_test, a_file_that_may_not_grow_is_an_error_and_no_signal_also_after_others_have_installed_handlers) {
+  const Child child([](const auto&) {
+    const test::FileSizeLimit full(1);
+    const SignalHandlers handlers;
+    signal(SIGXFSZ, SIG_DFL);
+    handlers.take_back();
+    std::FILE* const file = std::tmpfile();
+    return write(fileno(file), "ab", 2) == 1 && write(fileno(file), "b", 1) < 0 && errno == EFBIG ? 7 : 8;
+  });
+  expect_exit(child, 7);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
       device().queue.enqueueReadBuffer(paths, CL_TRUE, 0, items * sizeof(PathState), states.data());
       if (std::none_of(states.begin(), states.end(), [](const PathState& p) { return p.alive; })) break;
     }
-    stages.run("accumulate", items, paths, staged.film, staged.moments, staged.errors, base, sample);
+    stages.run("accumulate", items, paths, staged.film.pixels, staged.film.moments, staged.film.errors, base, sample);
   }
   const Film film = read_film(staged);
   ASSERT_EQ(film.pixels.size(), expected.pixels.size());

@@ -151,6 +151,10 @@ std::vector<float> ramp(unsigned width, unsigned height, float first) {
   return rgb;
 }
 
+RgbOfPixels picture(std::vector<float> values) {
+  return [values = std::move(values)](std::size_t first, std::span<float> rgb) { std::copy_n(values.begin() + 3 * first, rgb.size(), rgb.begin()); };
+}
+
 void expect_shown(const Viewer& viewer, unsigned width, unsigned height, const std::vector<float>& rgb) {
   ASSERT_EQ(viewer.pixels.size(), rgb.size());
   std::size_t wrong = 0;
@@ -186,8 +190,8 @@ TEST(tev_test, a_viewer_shows_the_pixels_of_the_last_image) {
     {
       TevClient client({host, listener.port()});
       ASSERT_TRUE(client.connected());
-      client.show("a room.exr", 7, 5, first);
-      client.show("a room.exr", 7, 5, second);
+      client.show("a room.exr", 7, 5, picture(first));
+      client.show("a room.exr", 7, 5, picture(second));
       EXPECT_EQ(client.take_warning(), std::nullopt);
     }
     const Viewer viewer(stream.get());
@@ -207,7 +211,7 @@ TEST(tev_test, large_images_go_in_packets_of_a_mebibyte_at_most) {
     const auto rgb = ramp(width, height, 0);
     {
       TevClient client({"127.0.0.1", listener.port()});
-      client.show("x", width, height, rgb);
+      client.show("x", width, height, picture(rgb));
       EXPECT_TRUE(client.connected());
     }
     const Viewer viewer(stream.get());
@@ -222,9 +226,9 @@ TEST(tev_test, another_name_or_size_is_another_image) {
   auto stream = std::async(std::launch::async, [&] { return read_all(listener.accepted()); });
   {
     TevClient client({"127.0.0.1", listener.port()});
-    client.show("a", 2, 2, ramp(2, 2, 0));
-    client.show("b", 2, 2, ramp(2, 2, 0));
-    client.show("b", 4, 1, ramp(4, 1, 0));
+    client.show("a", 2, 2, picture(ramp(2, 2, 0)));
+    client.show("b", 2, 2, picture(ramp(2, 2, 0)));
+    client.show("b", 4, 1, picture(ramp(4, 1, 0)));
   }
   const Viewer viewer(stream.get());
   EXPECT_EQ(viewer.created, 3);
@@ -238,12 +242,12 @@ TEST(tev_test, a_viewer_that_goes_away_costs_one_warning_and_no_signal) {
   ASSERT_TRUE(client.connected());
   close(listener.accepted());
   const auto rgb = ramp(1000, 1000, 0);  // more than the sockets' buffers hold
-  for (int i = 0; i < 3; ++i) client.show("x", 1000, 1000, rgb);  // SIGPIPE would end the test
+  for (int i = 0; i < 3; ++i) client.show("x", 1000, 1000, picture(rgb));  // SIGPIPE would end the test
   EXPECT_FALSE(client.connected());
   const auto warning = client.take_warning();
   ASSERT_TRUE(warning);
   EXPECT_EQ(warning->find("no live view at 127.0.0.1 port " + listener.port() + ": "), 0u) << *warning;
-  client.show("x", 1000, 1000, rgb);
+  client.show("x", 1000, 1000, picture(rgb));
   EXPECT_EQ(client.take_warning(), std::nullopt);
 }
 
@@ -252,7 +256,7 @@ TEST(tev_test, a_viewer_that_never_reads_is_given_up) {
   const auto rgb = ramp(1200, 1200, 0);  // 17 MB, 4.3 s at the slowest speed that is put up with
   TevClient client({"127.0.0.1", listener.port()}, 0.2);
   const int connection = listener.accepted();
-  EXPECT_LT(seconds_of([&] { client.show("x", 1200, 1200, rgb); }), 60.0);
+  EXPECT_LT(seconds_of([&] { client.show("x", 1200, 1200, picture(rgb)); }), 60.0);
   EXPECT_FALSE(client.connected());
   EXPECT_EQ(client.take_warning(), "no live view at 127.0.0.1 port " + listener.port() + ": it does not read");
   close(connection);
@@ -264,7 +268,7 @@ TEST(tev_test, a_refused_port_is_a_warning) {
   listener.close_now();
   TevClient client({"127.0.0.1", port});
   EXPECT_FALSE(client.connected());
-  client.show("x", 1, 1, ramp(1, 1, 0));
+  client.show("x", 1, 1, picture(ramp(1, 1, 0)));
   EXPECT_EQ(client.take_warning(), "no live view at 127.0.0.1 port " + port + ": Connection refused");
   EXPECT_EQ(client.take_warning(), std::nullopt);
 }

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +34,7 @@ struct RenderOptions {
   std::optional<SamplerKind> sampler;
   Approximations approximations = 0;
   bool exact_kernel = false;
-  std::size_t film_memory = std::numeric_limits<std::size_t>::max();  // bytes of film on the device, at most
+  std::size_t device_memory = FilmLimits().on_device, host_memory = FilmLimits().in_memory;  // bytes of film there, at most
   Aovs aovs;
 
   std::optional<SampleRange> samples;        // those of this part of the render

@@ -43,9 +43,7 @@ void print_memory(const Device& device, const Scene& scene, const Bvh& bvh) {
     sum += buffer.bytes;
   }
   row("memory") << format_bytes(sum) << " on the device\n";
-  if (film.bands > 1)
-    row("film") << "in " << film.bands << " bands of " << film.rows << " rows, one after another on the device; "
-                << format_bytes((film.film + film.moments + film.errors) / film.rows * scene.settings.crop_height) << " on the host\n";
+  row("film") << film_text(film) << "\n";
   try {
     check_memory(device, of_scene, film);
   } catch (const Error& error) {

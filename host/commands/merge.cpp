@@ -7,6 +7,7 @@
 
 #include "../checkpoint.h"
 #include "../checkpoint_lock.h"
+#include "../file_aside.h"
 #include "../progress.h"
 #include "options.h"
 #include "output.h"
@@ -20,11 +21,22 @@ struct MergeOptions {
   std::vector<std::string> parts;
   ImageFiles images;
   std::optional<fs::path> checkpoint;  // an image or this, or both
+  std::size_t host_memory = FilmLimits().in_memory;  // bytes of film there, at most
 };
 
-// One film in memory and one that is added to it, however many there are. All heads first: what does not go together is said
+// Where two films lie that are no larger than the files of the parts: beside what is written, if memory does not hold them.
+FilmDirectory place_of(const MergeOptions& options) {
+  std::uintmax_t largest = 0;
+  for (const std::string& part : options.parts) largest = std::max(largest, fs::file_size(part));
+  if (largest <= options.host_memory / 2) return nullptr;
+  const fs::path written = options.checkpoint ? *options.checkpoint : options.images.exr ? *options.images.exr : *options.images.png;
+  return std::make_shared<const fs::path>(directory_of(written));
+}
+
+// One film and one that is added to it at a time, however many there are. All heads first: what does not go together is said
 // before the long work.
-Checkpoint merged(const std::vector<std::string>& parts) {
+Checkpoint merged(const MergeOptions& options) {
+  const std::vector<std::string>& parts = options.parts;
   std::vector<Checkpoint> heads;
   for (const std::string& part : parts) heads.push_back(read_checkpoint_head(part));
   require_mergeable(heads, parts);
@@ -34,8 +46,10 @@ Checkpoint merged(const std::vector<std::string>& parts) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return heads[a].ranges.front().first < heads[b].ranges.front().first; });
-  Checkpoint sum = read_checkpoint(parts[order.front()]);
-  for (std::size_t i = 1; i < order.size(); ++i) add_samples(sum, read_checkpoint(parts[order[i]]), parts[order[i]]);
+  const FilmDirectory place = place_of(options);
+  Checkpoint sum = read_checkpoint(parts[order.front()], empty_film(place));
+  for (std::size_t i = 1; i < order.size(); ++i)
+    add_samples(sum, read_checkpoint(parts[order[i]], empty_film(place)), parts[order[i]]);
   return sum;
 }
 
@@ -72,7 +86,7 @@ Exit merge_files(const MergeOptions& options) {
   }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   progress.begin("read");
-  Checkpoint sum = merged(options.parts);
+  Checkpoint sum = merged(options);
   sum.kept = true;
   progress.begin("write");
   attempt_all({[&] { write_images(options.images, sum, {}); },
@@ -95,6 +109,7 @@ Command merge_command(CLI::App& program) {
   line.add_option("-o,--output", *image, "image to write: .exr or .png")->type_name("FILE");
   line.add_option("--checkpoint", options->checkpoint, "checkpoint to write; may be one of those that are read")
       ->type_name("FILE");
+  add_host_memory(line, options->host_memory);
   return {&line, [options, image] {
             if (image->extension() == ".exr") options->images.exr = *image;
             else if (image->extension() == ".png") options->images.png = *image;

@@ -60,6 +60,14 @@ void add_device(CLI::App& line, std::string& device) {
       ->type_name("DEVICE");
 }
 
+void add_host_memory(CLI::App& line, std::size_t& bytes) {
+  line.add_option_function<std::string>(
+          "--host-memory",
+          [&bytes](const std::string& given) { bytes = static_cast<std::size_t>(whole_number("--host-memory", given, 1, 1 << 24)) << 20; },
+          "MiB that the film may take of the host's memory: a larger one lies in files beside the checkpoint; default: half of it")
+      ->type_name("N");
+}
+
 std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most) {
   const std::optional<std::uint64_t> number = parse_whole_number(given);
   if (!number || *number < least || *number > most) {

@@ -11,6 +11,7 @@ namespace oclair {
 void add_scene(CLI::App& line, std::filesystem::path& scene, Definitions& definitions);
 void add_scene(CLI::App& line, std::optional<std::filesystem::path>& scene, Definitions& definitions);
 void add_device(CLI::App& line, std::string& device);
+void add_host_memory(CLI::App& line, std::size_t& bytes);  // of film, in memory
 
 std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most);
 Approximations fresnel(const std::string& option, const std::string& given);  // exact or schlick

@@ -59,17 +59,11 @@ void write_exr_image(const std::filesystem::path& path, const Checkpoint& checkp
             header_attributes(checkpoint.head.attributes, figures, reproducible_date()));
 }
 
-void write_png_image(const std::filesystem::path& path, const Film& film) {
-  const std::vector<float> rgb = rgb_of(film);
-  const std::span<const float> values(rgb);
-  write_png(path, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
-}
-
 }  // namespace
 
 void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const RunFigures& run) {
   attempt_all({[&] { if (files.exr) write_exr_image(*files.exr, checkpoint, run); },
-               [&] { if (files.png) write_png_image(*files.png, checkpoint.film); }});
+               [&] { if (files.png) write_png(*files.png, checkpoint.film.width, checkpoint.film.height, rgb_of(checkpoint.film)); }});
 }
 
 void print_files(const ImageFiles& files) {

@@ -5,11 +5,14 @@
 #include <system_error>
 
 #include "../checkpoint_lock.h"
+#include "../file_aside.h"
 #include "../scene_hash.h"
 #include "../signals.h"
+#include "../stopping.h"
 #include "commands.h"
 #include "output.h"
 #include "render_loop.h"
+#include "report.h"
 
 namespace oclair {
 namespace {
@@ -52,11 +55,22 @@ void apply(const RenderOptions& options, World& world) {
   world.keep_uvs = options.aovs.uv;
 }
 
-// Which samples are wanted. Without --spp, --time and --error are limits by themselves.
+// Without --spp, --time and --error are limits by themselves: then there is none of samples.
+bool has_sample_limit(const RenderOptions& options) {
+  return options.samples || options.samples_per_pixel || !(options.seconds || options.error);
+}
+
 SampleRange wanted_samples(const RenderOptions& options, std::uint64_t samples_of_scene) {
   if (options.samples) return *options.samples;
-  const bool open = !options.samples_per_pixel && (options.seconds || options.error);
-  return {0, open ? MAX_SAMPLES : samples_of_scene};
+  return {0, has_sample_limit(options) ? samples_of_scene : MAX_SAMPLES};
+}
+
+// A film of this render, and what lies beside it.
+FilmLimits film_limits(const RenderOptions& options) {
+  FilmLimits limits{options.device_memory, options.host_memory, directory_of(options.checkpoint), 0, 0};
+  if (options.error) limits.error_bytes = sizeof(ErrorMonitor::Pixel);
+  if (options.images.exr) limits.layer_bytes = channel_count(options.aovs) * sizeof(float);
+  return limits;
 }
 
 // All on which the samples depend, beside the size of the film, which the film itself tells.
@@ -110,7 +124,7 @@ std::string device_warning(const fs::path& checkpoint, const ImageHead& earlier,
 bool reached(const RenderOptions& options, Stop stop) {
   if (stop == Stop::signal) return false;
   if (options.error) return stop == Stop::error;
-  if (options.samples || options.samples_per_pixel || !options.seconds) return stop == Stop::samples;
+  if (has_sample_limit(options)) return stop == Stop::samples;
   return true;
 }
 
@@ -204,15 +218,21 @@ Exit render(const RenderOptions& options) {
   scene.triangles = {};
 
   heed_signals();
+  phases.end();
+  const FilmPlan film_plan = plan_film(device, scene, plan_buffers(scene, bvh), film_limits(options));
+  progress.memory("film: " + film_text(film_plan), film_plan.whole);
   phases.begin("kernels");
-  Renderer renderer = start_render(device, scene, bvh, options.film_memory);
+  Renderer renderer = start_render(device, scene, bvh, film_plan);
   renderer.first_sample = wanted.first;
   if (options.images.exr && options.aovs.any()) {
     phases.begin("layers");
     state.layers = render_aovs(renderer, scene, bvh, options.aovs);
   }
   handlers.take_back();
-  if (resumes) restore_film(renderer, read_checkpoint(options.checkpoint).film);
+  if (resumes) {
+    take_film(renderer, state.film);  // its arrays, for those of the file
+    restore_film(renderer, read_checkpoint(options.checkpoint, std::move(state.film)).film);
+  }
   if (options.restart) remove_checkpoint(options.checkpoint);
 
   phases.begin("passes", renderer.samples * scene.settings.crop_width * scene.settings.crop_height);
@@ -233,7 +253,7 @@ Exit render(const RenderOptions& options) {
   };
   way.checkpoint_every = options.checkpoint_every;
   way.viewer = viewer ? &*viewer : nullptr;
-  const Limits limits{wanted.count, options.seconds, options.error, options.confidence};
+  const Limits limits{wanted.count, !has_sample_limit(options), options.seconds, options.error, options.confidence};
   const Stop stop = render_until(limits, renderer, state, way, progress, started);
   if (renderer.samples == 0) heed_signals();
 

@@ -91,7 +91,8 @@ Command render_command(CLI::App& program) {
        [o](Name name, Given given) { o->exact_kernel = exact_kernel(name, given); });
 
   number("--film-memory", 1, 1 << 24, "MiB that the film may take on the device: a larger one is there band by band; default: what there is",
-         [o](std::uint64_t n) { o->film_memory = static_cast<std::size_t>(n) << 20; });
+         [o](std::uint64_t n) { o->device_memory = static_cast<std::size_t>(n) << 20; });
+  add_host_memory(line, o->host_memory);
 
   line.option_defaults()->group("When it ends: whichever comes first");
   number("--spp", 1, MAX_SAMPLES, "samples per pixel", [o](std::uint64_t n) { o->samples_per_pixel = n; });

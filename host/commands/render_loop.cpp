@@ -24,7 +24,7 @@ class Loop {
                    way.write_checkpoint ? std::optional(way.checkpoint_every) : std::nullopt},
                   steady_seconds, program_started) {
     if (limits.error) {
-      monitor_.emplace(*limits.error, limits.confidence);
+      monitor_.emplace(*limits.error, limits.confidence, ErrorMonitor::usual_block, renderer.plan.directory);
       if (renderer.samples > 0) monitor_->add(film());
     }
     warn_of_viewer();
@@ -63,14 +63,14 @@ class Loop {
   void pass(unsigned samples) {
     const double pixels = static_cast<double>(renderer_.settings.crop_width) * renderer_.settings.crop_height;
     const auto in_film = [&](double per_pixel) { return static_cast<std::uint64_t>(per_pixel * pixels); };
-    const bool open = limits_.samples == MAX_SAMPLES - renderer_.first_sample;  // other limits end it
+    return_film(renderer_, state_.film);
+    film_is_current_ = false;
     render_pass(renderer_, samples, [&](double share) {
       const double done = static_cast<double>(renderer_.samples) + share * samples;
-      progress_.samples(in_film(done), open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
+      progress_.samples(in_film(done), limits_.open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
                         {rays_so_far(), monitor_ ? monitor_->estimate() : std::nullopt, seconds_left(done)});
     });
     schedule_.pass_ended(samples);
-    film_is_current_ = false;
   }
 
   // Read back from the device: only for an event that is shown.
@@ -155,9 +155,8 @@ std::string_view name_of(Stop stop) {
   return names[static_cast<int>(stop)];
 }
 
-void take_film(const Renderer& renderer, Checkpoint& state) {
-  state.film = {};  // makes room
-  state.film = read_film(renderer);
+void take_film(Renderer& renderer, Checkpoint& state) {
+  take_film(renderer, state.film);
   state.ranges = {{renderer.first_sample, renderer.samples}};
 }
 

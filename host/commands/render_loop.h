@@ -19,7 +19,8 @@ std::string_view name_of(Stop stop);
 
 // When it is enough: whichever comes first.
 struct Limits {
-  std::uint64_t samples = 0;  // per pixel, those of an earlier run included
+  std::uint64_t samples = 0;            // per pixel, those of an earlier run included
+  bool open = false;                    // they are only what can be counted: another limit is to end the render
   std::optional<double> seconds;        // since the program started
   std::optional<double> error;          // of the image, see stopping.h
   double confidence = 0.95;
@@ -32,11 +33,11 @@ struct OnTheWay {
   TevClient* viewer = nullptr;
 };
 
-// Brings `state` up to the renderer: its film, and which samples that holds.
-void take_film(const Renderer& renderer, Checkpoint& state);
+// Brings `state` up to the renderer: its film, which it has until the next pass, and which samples that holds.
+void take_film(Renderer& renderer, Checkpoint& state);
 
 // Renders on from where the renderer stands. A file that cannot be written on the way is warned of, and tried again the next time.
-// The whole film is read back only where something is made of it; `state` is then as of that pass.
+// The whole film is read back only where something is made of it; `state` is then as of that pass. It may hold it at the end.
 Stop render_until(const Limits& limits, Renderer& renderer, Checkpoint& state, const OnTheWay& way, Progress& progress,
                   double program_started);
 

@@ -22,4 +22,12 @@ std::string format_bytes(std::size_t bytes) {
   return text;
 }
 
+std::string film_text(const FilmPlan& film) {
+  std::string text = format_bytes(film.whole) + (film.directory ? " in files beside the checkpoint, " : " in memory, ");
+  text += film.bands == 1 ? "all of it" : std::to_string(film.bands) + " bands of " + std::to_string(film.rows) + " rows, one at a time,";
+  text += " on the device";
+  if (film.layers > 0) text += "; layers: " + format_bytes(film.layers) + " in memory";
+  return text;
+}
+
 }  // namespace oclair

@@ -1,13 +1,18 @@
 #include "exr_headers.h"
 
+#include <ImfChannelList.h>
+#include <ImfTileDescription.h>
 #include <ImfVersion.h>
 #include <ImfXdr.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
 namespace oclair {
 namespace {
+
+constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;  // bytes of a row of tiles
 
 class HeaderWalk {
  public:
@@ -63,6 +68,14 @@ class HeaderWalk {
   std::uint64_t size_;
 };
 
+void require_at_most(const char* what, std::uint64_t bytes, std::uint64_t most) {
+  if (bytes > most)
+    throw std::runtime_error(std::string(what) + " takes " + std::to_string(bytes) + " bytes, more than " +
+                             std::to_string(most));
+}
+
+std::uint64_t extent(int min, int max) { return static_cast<std::uint64_t>(std::int64_t{max} - min + 1); }
+
 }  // namespace
 
 void check_exr_headers(Imf::IStream& stream, std::uint64_t size) {
@@ -76,6 +89,26 @@ void check_exr_headers(Imf::IStream& stream, std::uint64_t size) {
     }
   } while (several);
   stream.seekg(0);
+}
+
+// Nothing overflows: extents, sizes of tiles and numbers of channels are below 2^32, a row that has passed has less than 2^23
+// pixels.
+void check_exr_size(const Imf::Header& header, std::uint64_t size) {
+  const Imath::Box2i window = header.dataWindow();
+  const std::uint64_t width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
+  std::uint64_t channels = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++channels;
+  const std::uint64_t pixel = 4 * std::max<std::uint64_t>(channels, 1);
+  require_at_most("a row of pixels", width > MAX_EXR_ROW ? width : width * pixel, MAX_EXR_ROW);
+  if (!header.hasTileDescription()) return;
+  const Imf::TileDescription tiles = header.tileDescription();
+  const std::uint64_t columns = std::max<std::uint64_t>(width, tiles.xSize);
+  require_at_most("a row of tiles",
+                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32 : columns * tiles.ySize,
+                  MAX_TILES / pixel);
+  if (tiles.xSize == 0 || tiles.ySize == 0) throw std::runtime_error("its tiles have no pixels");
+  const std::uint64_t count = ((width - 1) / tiles.xSize + 1) * ((height - 1) / tiles.ySize + 1);
+  if (count > size / 8) throw std::runtime_error("it breaks off");
 }
 
 }  // namespace oclair

@@ -1,5 +1,6 @@
 #include "file_readers.h"
 
+#include <cfloat>
 #include <cmath>
 #include <stdexcept>
 
@@ -23,15 +24,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_within(const packed_float3& v, float most) {
+  return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
+}
+
 // Up to the device. What place_scene promises of the numbers that the kernels read is looked at where a file decides it.
 void place(World world) {
   const Scene scene = place_scene(std::move(world));
-  for (const packed_float3& p : scene.positions)
-    if (!(std::abs(p.x) <= 1.0f && std::abs(p.y) <= 1.0f && std::abs(p.z) <= 1.0f))
-      throw std::logic_error("a vertex lies outside the canonical frame");
+  for (const packed_uint3& triangle : scene.triangles)
+    for (const uint vertex : {triangle.x, triangle.y, triangle.z})
+      if (!is_within(scene.positions[vertex], 1.0f)) throw std::logic_error("a vertex lies outside the canonical frame");
+  for (const Quadric& quadric : scene.quadrics)
+    if (!is_within(quadric.center, 1.0f) || !is_within(quadric.axis_x, FLT_MAX) || !is_within(quadric.axis_y, FLT_MAX) ||
+        !is_within(quadric.axis_z, FLT_MAX) || !std::isfinite(quadric.area))
+      throw std::logic_error("a quadric lies outside the canonical frame, or is not finite");
   for (const packed_float3& n : scene.normals)
-    if (!(std::abs(n.x) <= 1.001f && std::abs(n.y) <= 1.001f && std::abs(n.z) <= 1.001f))
-      throw std::logic_error("a normal is not finite, or longer than 1");
+    if (!is_within(n, 1.001f)) throw std::logic_error("a normal is not finite, or longer than 1");
   build_bvh(scene, 8);
 }
 

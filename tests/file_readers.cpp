@@ -43,6 +43,9 @@ void place(World world) {
   build_bvh(scene, 8);
 }
 
+// As the scene that names the file says it (refuse in host/document.cpp).
+std::string as_part_of_a_scene(const std::exception& refusal) { return one_line(refusal.what()); }
+
 template <class Parse>
 std::string read_mesh(Parse parse) {
   try {
@@ -50,9 +53,9 @@ std::string read_mesh(Parse parse) {
     world.shapes.emplace_back().mesh = to_world(parse(), {});
     place(std::move(world));
   } catch (const MeshFileError& refusal) {
-    return refusal.what();
+    return as_part_of_a_scene(refusal);
   } catch (const std::range_error& refusal) {  // of to_world
-    return refusal.what();
+    return as_part_of_a_scene(refusal);
   } catch (const Error& refusal) {
     return refusal.what();
   }
@@ -155,7 +158,7 @@ std::string read_as_image(std::string_view bytes) {
         image.texels.empty())
       throw std::logic_error("the texels are not as many as the image says");
   } catch (const TextureFileError& refusal) {
-    return refusal.what();
+    return as_part_of_a_scene(refusal);
   }
   return "";
 }

@@ -23,9 +23,11 @@ struct Found {
 
 std::vector<Found> found() {
   std::vector<Found> result;
-  for (const NamedReader& reader : FILE_READERS)
-    for (const auto& entry : fs::directory_iterator(fs::path(OCLAIR_TEST_DIRECTORY) / "data" / "fuzz" / reader.name))
-      result.push_back({reader, entry.path()});
+  for (const NamedReader& reader : FILE_READERS) {
+    const fs::path directory = fs::path(OCLAIR_TEST_DIRECTORY) / "data" / "fuzz" / reader.name;
+    if (!fs::exists(directory)) continue;  // nothing has been found in this reader
+    for (const auto& entry : fs::directory_iterator(directory)) result.push_back({reader, entry.path()});
+  }
   std::sort(result.begin(), result.end(), [](const Found& a, const Found& b) { return a.file < b.file; });
   return result;
 }

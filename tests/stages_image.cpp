@@ -31,7 +31,8 @@ World mixed_world() {
   add_quad(add_shape(world, blend, Sides::both).mesh, {0.1, -0.8, -0.9}, {0.7, 0, 0}, {0, 0.6, 0.2});
   world.lights.push_back({LIGHT_POINT, glm::dvec3(0.5), {0.5, 0.5, 0.5}});
   world.integrator.moments = true;
-  look(world, {0, 0, 0.9}, {0, -0.2, -1}, {0, 1, 0}, 1.0, 37, 29);
+  look(world, {0, 0, 0.9}, {0, -0.2, -1}, {0, 1, 0}, 1.0, static_cast<uint>(count_or_small(37, 2)),
+       static_cast<uint>(count_or_small(29, 1)));
   return world;
 }
 
@@ -63,7 +64,7 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
   Renderer staged = start_render(device(), scene, bvh);
   staged.samples = samples;
   Stages stages{device(), build_program(device(), kernel_directory() / "stages.cl", kernel_options(scene, bvh)), staged.scene};
-  const std::size_t items = 5 * 4 * WORK_GROUP_SIZE;  // tiles of 8x8 over 37x29 pixels
+  const std::size_t items = padded_pixels(scene.settings);
   const auto array = [&](std::size_t bytes) { return cl::Buffer(device().context, CL_MEM_READ_WRITE, items * bytes); };
   const cl::Buffer paths = array(sizeof(PathState)), hits = array(sizeof(Hit)), shadows = array(sizeof(ShadowRay));
   const cl_uint base = 0;

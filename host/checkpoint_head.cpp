@@ -10,6 +10,7 @@ using Json = nlohmann::json;
 constexpr int MAX_EXPONENT = 4096;    // far beyond what float radiances lead to
 constexpr double MAX_RADIUS = 1e6;    // pixels
 constexpr int MAX_NESTING = 4;
+constexpr std::size_t MAX_IDENTITY = 1000;  // entries: those of two checkpoints are searched one by one
 
 // JSON holds only UTF-8. A string of other bytes becomes an array of their numbers.
 Json json_of(const std::string& text) {
@@ -61,9 +62,10 @@ std::string text(const Json& json, const std::string& name) {
   return bytes;
 }
 
-std::vector<std::pair<std::string, std::string>> text_pairs(const Json& json, const std::string& name) {
+std::vector<std::pair<std::string, std::string>> text_pairs(const Json& json, const std::string& name,
+                                                            std::size_t most = MAX_HEAD) {
   std::vector<std::pair<std::string, std::string>> pairs;
-  for (const Json& pair : list(json, name, 0, MAX_HEAD)) {
+  for (const Json& pair : list(json, name, 0, most)) {
     list(pair, name, 2, 2);
     pairs.emplace_back(text(pair[0], name), text(pair[1], name));
   }
@@ -121,7 +123,7 @@ bool refuse_nesting(int depth, Json::parse_event_t, Json&) {
 CheckpointHead head_of(const Json& json) {
   CheckpointHead head;
   Checkpoint& checkpoint = head.checkpoint;
-  checkpoint.identity = text_pairs(member(json, "identity"), "identity");
+  checkpoint.identity = text_pairs(member(json, "identity"), "identity", MAX_IDENTITY);
   checkpoint.ranges = ranges(member(json, "ranges"));
   checkpoint.head.film = world_film(member(json, "film"));
   checkpoint.kept = whole(member(json, "kept"), "kept", 0, 1) == 1;

@@ -65,6 +65,7 @@ void check_header(std::string_view bytes) {
   const auto& window = header.dataWindow();
   check_size(static_cast<ulong>(std::max(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{0})),
              static_cast<ulong>(std::max(std::int64_t{window.max.y} - window.min.y + 1, std::int64_t{0})));
+  check_exr_size(header, bytes.size());
 }
 
 void read_pixels(Imf::InputFile& file, Image& image) {

@@ -1,13 +1,27 @@
 #include "exr_headers.h"
 
+#include <ImfChannelList.h>
+#include <ImfTileDescription.h>
 #include <ImfVersion.h>
 #include <ImfXdr.h>
 
+#include <algorithm>
+#include <map>
 #include <stdexcept>
 #include <string>
 
 namespace oclair {
 namespace {
+
+constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;  // bytes of a row of tiles
+
+// Bytes of the values of OpenEXR's types, of those that have always as many.
+const std::map<std::string, int> FIXED_SIZES = {
+    {"box2f", 16}, {"box2i", 16},   {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
+    {"envmap", 1}, {"float", 4},    {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33d", 72},
+    {"m33f", 36},  {"m44d", 128},   {"m44f", 64},           {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
+    {"v2d", 16},   {"v2f", 8},      {"v2i", 8},             {"v3d", 24},        {"v3f", 12},           {"v3i", 12}};
+constexpr std::uint64_t CHANNEL_SIZE = 16;  // of what a list of channels says of each, after its name
 
 class HeaderWalk {
  public:
@@ -43,12 +57,36 @@ class HeaderWalk {
     if (bytes < 0) throw std::runtime_error("an attribute has a negative size");
     require(static_cast<std::uint64_t>(bytes));
     const std::uint64_t end = stream_.tellg() + static_cast<std::uint64_t>(bytes);
-    if (type == "stringvector") strings(end);
+    check_value(type, bytes, end);
     stream_.seekg(end);
     return true;
   }
 
  private:
+  // OpenEXR does not skip what a value leaves of its size, nor notice that it needs more: it would take what follows for the
+  // next attribute, with a size that has not been seen here.
+  void check_value(const std::string& type, int bytes, std::uint64_t end) {
+    const auto fixed = FIXED_SIZES.find(type);
+    bool fits = fixed == FIXED_SIZES.end() || bytes == fixed->second;
+    if (type == "stringvector") strings(end);
+    if (type == "floatvector") fits = bytes % 4 == 0;
+    if (type == "idmanifest") fits = bytes >= 4;
+    if (type == "preview") {
+      const std::int64_t width = integer(), height = integer();
+      fits = width >= 0 && height >= 0 && width * height == (std::int64_t{bytes} - 8) / 4 && bytes % 4 == 0;
+    }
+    if (type == "chlist") {
+      while (!name().empty()) skip(CHANNEL_SIZE);
+      fits = stream_.tellg() == end;
+    }
+    if (!fits) throw std::runtime_error("an attribute in its header has not the size of its type");
+  }
+
+  void skip(std::uint64_t bytes) {
+    require(bytes);
+    stream_.seekg(stream_.tellg() + bytes);
+  }
+
   void strings(std::uint64_t end) {
     while (stream_.tellg() < end) {
       const int bytes = integer();
@@ -63,6 +101,14 @@ class HeaderWalk {
   std::uint64_t size_;
 };
 
+void require_at_most(const char* what, std::uint64_t bytes, std::uint64_t most) {
+  if (bytes > most)
+    throw std::runtime_error(std::string(what) + " takes " + std::to_string(bytes) + " bytes, more than " +
+                             std::to_string(most));
+}
+
+std::uint64_t extent(int min, int max) { return static_cast<std::uint64_t>(std::int64_t{max} - min + 1); }
+
 }  // namespace
 
 void check_exr_headers(Imf::IStream& stream, std::uint64_t size) {
@@ -76,6 +122,26 @@ void check_exr_headers(Imf::IStream& stream, std::uint64_t size) {
     }
   } while (several);
   stream.seekg(0);
+}
+
+// Nothing overflows: extents, sizes of tiles and numbers of channels are below 2^32, a row that has passed has less than 2^23
+// pixels.
+void check_exr_size(const Imf::Header& header, std::uint64_t size) {
+  const Imath::Box2i window = header.dataWindow();
+  const std::uint64_t width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
+  std::uint64_t channels = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++channels;
+  const std::uint64_t pixel = 4 * std::max<std::uint64_t>(channels, 1);
+  require_at_most("a row of pixels", width > MAX_EXR_ROW ? width : width * pixel, MAX_EXR_ROW);
+  if (!header.hasTileDescription()) return;
+  const Imf::TileDescription tiles = header.tileDescription();
+  const std::uint64_t columns = std::max<std::uint64_t>(width, tiles.xSize);
+  require_at_most("a row of tiles",
+                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32 : columns * tiles.ySize,
+                  MAX_TILES / pixel);
+  if (tiles.xSize == 0 || tiles.ySize == 0) throw std::runtime_error("its tiles have no pixels");
+  const std::uint64_t count = ((width - 1) / tiles.xSize + 1) * ((height - 1) / tiles.ySize + 1);
+  if (count > size / 8) throw std::runtime_error("it breaks off");
 }
 
 }  // namespace oclair

@@ -164,10 +164,10 @@ bool end_png(PngWriter& writer) {
 void write_exr(const fs::path& path, const ImageWindow& window, const std::vector<ImagePart>& parts,
                const ImageAttributes& attributes) {
   assert(!parts.empty());
-  const std::vector<Imf::Header> headers = exr_headers(window, parts, attributes);
   FileAside aside(path);
   ExrStream stream(aside.file(), path.string());
   try {
+    const std::vector<Imf::Header> headers = exr_headers(window, parts, attributes);
     Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
     for (std::size_t i = 0; i < parts.size(); ++i) {
       Imf::OutputPart out(file, static_cast<int>(i));

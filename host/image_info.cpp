@@ -12,7 +12,6 @@
 #include <ImfPartType.h>
 #include <ImfRationalAttribute.h>
 #include <ImfStringAttribute.h>
-#include <ImfTileDescription.h>
 #include <ImfVecAttribute.h>
 
 #include <algorithm>
@@ -32,8 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t MAX_ROW = std::uint64_t{1} << 24;    // bytes, all channels as 32 bits
-constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;  // bytes of a row of tiles
 constexpr std::uint64_t ROWS_AT_ONCE = 256;
 
 class FileStream : public Imf::IStream {
@@ -120,24 +117,6 @@ PartInfo describe(const Imf::Header& header) {
   return part;
 }
 
-void require_at_most(const char* what, std::uint64_t bytes, std::uint64_t most) {
-  if (bytes > most)
-    throw std::runtime_error(std::string(what) + " takes " + std::to_string(bytes) + " bytes, more than " +
-                             std::to_string(most));
-}
-
-// Before anything is allocated for its pixels. No sum overflows: extents and numbers of channels are below 2^32.
-void check_size(const Imf::Header& header, const PartInfo& part) {
-  const std::uint64_t pixel = 4 * std::max<std::uint64_t>(part.channels.size(), 1);
-  require_at_most("a row of pixels", part.width > MAX_ROW ? part.width : part.width * pixel, MAX_ROW);
-  if (!header.hasTileDescription()) return;
-  const Imf::TileDescription tiles = header.tileDescription();
-  const std::uint64_t columns = std::max<std::uint64_t>(part.width, tiles.xSize);
-  require_at_most("a row of tiles",
-                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32 : columns * tiles.ySize,
-                  MAX_TILES / pixel);
-}
-
 // Floor of a / b.
 std::int64_t floor_divided(std::int64_t a, std::int64_t b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
 
@@ -189,7 +168,7 @@ void read_values(Imf::InputPart& input, PartInfo& part) {
   }
   std::vector<double> sums(all.size());
   const std::uint64_t row_bytes = 4 * part.width * std::max<std::uint64_t>(all.size(), 1);
-  const std::uint64_t at_once = std::clamp<std::uint64_t>(MAX_ROW / row_bytes, 1, ROWS_AT_ONCE);
+  const std::uint64_t at_once = std::clamp<std::uint64_t>(MAX_EXR_ROW / row_bytes, 1, ROWS_AT_ONCE);
   for (std::uint64_t done = 0; done < part.height; done += at_once) {
     const std::uint64_t rows = std::min(at_once, part.height - done);
     const std::int64_t top = window.min.y + static_cast<std::int64_t>(done), end = top + static_cast<std::int64_t>(rows);
@@ -212,14 +191,15 @@ void read_values(Imf::InputPart& input, PartInfo& part) {
 
 std::vector<PartInfo> read_parts(const fs::path& path, std::FILE* opened) {
   FileStream stream(opened);
-  check_exr_headers(stream, fs::file_size(path));
+  const std::uint64_t size = fs::file_size(path);
+  check_exr_headers(stream, size);
   Imf::MultiPartInputFile file(stream, 0, false);
   std::vector<PartInfo> parts;
   for (int i = 0; i < file.parts(); ++i) {
     PartInfo& part = parts.emplace_back(describe(file.header(i)));
     if (part.type == Imf::DEEPSCANLINE || part.type == Imf::DEEPTILE) continue;
     if (!file.partComplete(i)) throw std::runtime_error("it breaks off");
-    check_size(file.header(i), part);
+    check_exr_size(file.header(i), size);
     Imf::InputPart input(file, i);
     read_values(input, part);
   }

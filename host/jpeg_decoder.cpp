@@ -10,11 +10,18 @@
 namespace oclair {
 namespace {
 
+constexpr int MAX_SCANS = 100;  // a progressive file has some ten; each can make libjpeg go through all of the image
+
+// No more than 256 pixels come from a byte of a baseline file: a block of 64 has two codes of at least one bit each. A
+// progressive file says in one code that many blocks have only their first coefficient, whose codes are left: 512 pixels.
+constexpr std::size_t MOST_PIXELS_PER_BYTE = 512;
+
 // libjpeg leaves by longjmp: everything that has a destructor lives here, outside the functions that are jumped over.
 struct JpegReader {
   Image image;
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
+  jpeg_progress_mgr progress{};
   std::jmp_buf leave;
   char message[JMSG_LENGTH_MAX] = "";
 
@@ -36,6 +43,13 @@ void on_message(j_common_ptr jpeg, int level) {
   if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_ADOBE_XFORM) on_error(jpeg);
 }
 
+void on_progress(j_common_ptr jpeg) {
+  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= MAX_SCANS) return;
+  auto& reader = *static_cast<JpegReader*>(jpeg->client_data);
+  std::snprintf(reader.message, sizeof reader.message, "it has more than %d scans", MAX_SCANS);
+  std::longjmp(reader.leave, 1);
+}
+
 bool read_header(JpegReader& reader, const unsigned char* bytes, unsigned long size) {
   if (setjmp(reader.leave)) return false;
   jpeg_create_decompress(&reader.jpeg);
@@ -46,6 +60,8 @@ bool read_header(JpegReader& reader, const unsigned char* bytes, unsigned long s
 
 bool read_rows(JpegReader& reader) {
   if (setjmp(reader.leave)) return false;
+  reader.jpeg.progress = &reader.progress;
+  reader.progress.progress_monitor = on_progress;
   jpeg_start_decompress(&reader.jpeg);
   while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
     JSAMPROW row = reinterpret_cast<JSAMPROW>(reader.image.texels.data()) +
@@ -71,6 +87,10 @@ Image decode_jpeg(std::string_view bytes) {
   if (jpeg.jpeg_color_space != JCS_GRAYSCALE && jpeg.jpeg_color_space != JCS_YCbCr && jpeg.jpeg_color_space != JCS_RGB)
     throw TextureFileError("JPEG: its " + std::to_string(jpeg.num_components) +
                            " components are not supported (supported: gray, RGB)");
+  if (jpeg.arith_code) throw TextureFileError("JPEG: arithmetic coding is not supported (supported: Huffman codes)");
+  check_size(jpeg.image_width, jpeg.image_height);
+  if (std::size_t{jpeg.image_width} * jpeg.image_height > bytes.size() * MOST_PIXELS_PER_BYTE)
+    throw TextureFileError("JPEG: it breaks off");
   const bool gray = jpeg.jpeg_color_space == JCS_GRAYSCALE;
   jpeg.out_color_space = gray ? JCS_GRAYSCALE : JCS_RGB;
   jpeg.dct_method = JDCT_ISLOW;

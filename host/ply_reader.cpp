@@ -10,6 +10,10 @@ namespace oclair {
 
 namespace {
 
+// Of one element; real files have some ten. They are searched one by one, and a face of many corners has its attributes once
+// for each of its triangles.
+constexpr std::size_t MAX_PROPERTIES = 256;
+
 std::optional<Scalar> scalar_named(std::string_view name) {
   constexpr std::array<const char*, 16> NAMES = {"char",   "int8",    "uchar",  "uint8",  "short", "int16",
                                                  "ushort", "uint16",  "int",    "int32",  "uint",  "uint32",
@@ -75,10 +79,24 @@ void read_header_line(PlyReader& reader, std::string_view line, bool& has_format
     }
     property.type = type_in_header(line);
     property.name = next_word(line);
-    reader.elements.back().properties.push_back(property);
+    auto& element = reader.elements.back();
+    if (element.properties.size() == MAX_PROPERTIES)
+      fail_ply("header: \"" + element.name.substr(0, 40) + "\" has more than " + std::to_string(MAX_PROPERTIES) +
+               " properties");
+    element.properties.push_back(property);
   } else if (word != "comment" && word != "obj_info" && !word.empty()) {
     fail_ply("header: \"" + word.substr(0, 40) + "\" is not known");
   }
+}
+
+// Bytes that the rows of an element take at least: of a list, those of its length. In a text a number takes one and the blank
+// after it, which the last number of the file may lack.
+std::size_t least_size(const PlyReader& reader, const PlyElement& element) {
+  const bool ascii = reader.encoding == Encoding::ascii;
+  std::size_t row = 0;
+  for (const auto& property : element.properties)
+    row += ascii ? 2 : size_of(property.count_type.value_or(property.type));
+  return element.count * row - ascii;
 }
 
 }  // namespace
@@ -96,9 +114,9 @@ void read_header(PlyReader& reader) {
   bool has_format = false;
   for (auto line = next_line(); line != "end_header"; line = next_line()) read_header_line(reader, line, has_format);
   if (!has_format) fail_ply("header: the format is missing");
-  // Every element takes at least one byte, so that no count can promise more than the file holds.
+  // No count can promise more than the file holds.
   for (const auto& element : reader.elements)
-    if (element.count > 0 && (element.properties.empty() || element.count > reader.rest.size()))
+    if (element.count > 0 && (element.properties.empty() || least_size(reader, element) > reader.rest.size()))
       fail_ply("it breaks off before its " + std::to_string(element.count) + " elements \"" + element.name.substr(0, 40) +
                "\"");
 }

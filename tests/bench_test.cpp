@@ -232,6 +232,28 @@ TEST(bench_test, each_ray_of_a_buffer_has_the_answer_that_it_has_alone) {
   EXPECT_TRUE(blocked > 0 && blocked < many.size());
 }
 
+// Few rays: the memory checker runs this one, too.
+TEST(bench_test, what_is_hit_is_blocked) {
+  const Prepared few(least_triangles);
+  const std::vector<Ray>& ao = few.sets.at(3).rays;
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < WORK_GROUP_SIZE + 6; ++i) rays.push_back(ao[i * ao.size() / (WORK_GROUP_SIZE + 6)]);
+  const Bvh bvh = build_bvh(few.scene, device().bvh_width);
+  OurTraversal traversal(device(), few.scene, bvh);
+  traversal.load(rays);
+  traversal.run(false);
+  traversal.run(true);
+  const std::vector<Hit> expected = few.closest(rays), hits = traversal.hits();
+  const std::vector<cl_uint> blocked = traversal.blocked();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(hits[i].primitive != NONE, expected[i].primitive != NONE) << i;
+    EXPECT_EQ(blocked[i] != 0, expected[i].primitive != NONE) << i;
+    count += blocked[i] != 0;
+  }
+  EXPECT_TRUE(count > 0 && count < rays.size());
+}
+
 TEST(bench_test, a_render_of_n_segments_records_n_rays_a_pixel_in_a_closed_room) {
   World world = bench::world_of(terrain(5000));
   world.film.width = world.film.crop_width = 37;

@@ -102,10 +102,11 @@ class ByteSink : public Imf::OStream {
 };
 
 // The data window begins at (-3, 5).
-inline std::string exr_bytes(int width, int height, const std::vector<ExrChannel>& channels) {
+inline std::string exr_bytes(int width, int height, const std::vector<ExrChannel>& channels,
+                             Imf::Compression compression = Imf::ZIP_COMPRESSION) {
   const Imath::Box2i window({-3, 5}, {-3 + width - 1, 5 + height - 1});
   Imf::Header header(window, window);
-  header.compression() = Imf::ZIP_COMPRESSION;
+  header.compression() = compression;
   Imf::FrameBuffer frame;
   for (const auto& c : channels) {
     header.channels().insert(c.name, Imf::Channel(c.type, c.sampling, c.sampling));

@@ -100,10 +100,12 @@ TEST(environment_test, square_root_is_correctly_rounded_where_the_device_offers_
 }
 
 // As results and as operands: 2^-126 / 2 is the largest power of two below the normal numbers, 2^-149 the smallest of all.
+// Where it does not say so they may become 0, or not (OpenCL 1.2, 7.5.3): rusticl keeps them and does not say so.
 TEST(environment_test, denormals_are_kept_where_the_device_says_so) {
   const std::vector<float> x{0x1p-126f, 0x1p-127f, 0x1p-149f, 0x1p-126f}, y{0.5f, 2.0f, 0x1p100f, -0x1p-23f};
-  const std::vector<float> kept{0x1p-127f, 0x1p-126f, 0x1p-49f, -0x1p-149f}, flushed{0.0f, 0.0f, 0.0f, -0.0f};
+  const std::vector<float> kept{0x1p-127f, 0x1p-126f, 0x1p-49f, -0x1p-149f};
   std::vector<float> product(x.size());
   run(file, "multiply", x.size(), x, y, out(product));
-  EXPECT_EQ(product, offers(CL_FP_DENORM) ? kept : flushed);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_TRUE(product[i] == kept[i] || (!offers(CL_FP_DENORM) && product[i] == 0.0f)) << x[i] << " " << product[i];
 }

@@ -161,8 +161,8 @@ TEST(large_ply_test, a_file_that_breaks_off_is_refused_and_says_so_unless_it_is_
   Content content = random_content(false);
   content.vertices[15000][0] = std::numeric_limits<float>::infinity();
   const std::string text = written(content, Format::binary_little_endian, false);
-  EXPECT_EQ(refusal(text.substr(0, header + 14000 * 36)), "it breaks off");
-  EXPECT_EQ(refusal(text.substr(0, header + 16000 * 36)), "vertex 15000 is not finite");
+  EXPECT_EQ(refusal(text.substr(0, header + 16000 * 36)), "it breaks off before its 20000 elements \"vertex\"");
+  EXPECT_EQ(refusal(text.substr(0, header + 20000 * 36)), "vertex 15000 is not finite");
   EXPECT_EQ(refusal(text.substr(0, text.size() - 1)), "vertex 15000 is not finite");
 }
 

@@ -1,0 +1,58 @@
+// tests/data/fuzz: files that have crashed a reader, kept it busy or made it take memory, most of them found by the fuzz targets
+// (fuzz/). Each lies in the directory of its reader, its name says what it does.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "file_readers.h"
+#include "files.h"
+
+using namespace oclair::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Found {
+  NamedReader reader;
+  fs::path file;
+};
+
+std::vector<Found> found() {
+  std::vector<Found> result;
+  for (const NamedReader& reader : FILE_READERS) {
+    const fs::path directory = fs::path(OCLAIR_TEST_DIRECTORY) / "data" / "fuzz" / reader.name;
+    if (!fs::exists(directory)) continue;  // nothing has been found in this reader
+    for (const auto& entry : fs::directory_iterator(directory)) result.push_back({reader, entry.path()});
+  }
+  std::sort(result.begin(), result.end(), [](const Found& a, const Found& b) { return a.file < b.file; });
+  return result;
+}
+
+// The most that was in use so far, KiB.
+long peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+class fuzz_test : public testing::TestWithParam<Found> {};
+
+// The files have some KiB at most: those that are not refused need little, too.
+TEST_P(fuzz_test, is_taken_or_refused_on_one_line_in_little_memory) {
+  const std::string bytes = content(GetParam().file);
+  const long before = peak_memory();
+  std::string refusal;
+  ASSERT_NO_THROW(refusal = GetParam().reader.read(bytes));
+  EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+  EXPECT_LT(peak_memory() - before, 128 * 1024) << refusal;
+}
+
+INSTANTIATE_TEST_SUITE_P(, fuzz_test, testing::ValuesIn(found()), [](const auto& test) {
+  return std::string(test.param.reader.name) + "_" + test.param.file.stem().string();
+});
+
+}  // namespace

@@ -23,9 +23,9 @@ OUT_OF_LINE ulong render_pixel(const Scene *scene, Pixel pixel, __global FilmPix
 // The film's arrays begin with the pixel of that index in the crop window.
 __kernel __attribute__((reqd_work_group_size(WORK_GROUP_SIZE, 1, 1))) void render(
     SCENE_ARGUMENTS, __global FilmPixel *film, __global FilmMoments *moments, __global FilmErrors *errors, __global ulong *rays,
-    uint base, uint first_pixel, ulong first_sample, uint samples) {
+    ulong base, uint first_pixel, ulong first_sample, uint samples) {
   const Scene scene = SCENE_FROM_ARGUMENTS;
-  const Pixel pixel = pixel_from_index(settings, base + (uint)get_global_id(0));
+  const Pixel pixel = pixel_from_index(settings, base + get_global_id(0));
   if (!pixel.inside) return;
   const uint index = pixel.index - first_pixel;
   rays[get_global_id(0)] +=

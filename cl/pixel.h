@@ -10,11 +10,11 @@ typedef struct Pixel {
   bool inside;    // tiles stick out of the crop window
 } Pixel;
 
-// index counts all pixels of all tiles, tile by tile.
-INLINE Pixel pixel_from_index(__global const Settings *settings, uint index) {
+// index counts all pixels of all tiles, tile by tile: in windows of a few rows they are up to eight times the window's 2^31.
+INLINE Pixel pixel_from_index(__global const Settings *settings, ulong index) {
   uint tiles_across = (settings->crop_width + TILE_WIDTH - 1u) / TILE_WIDTH;
-  uint tile = index / WORK_GROUP_SIZE;
-  uint within = index % WORK_GROUP_SIZE;
+  uint tile = (uint)(index / WORK_GROUP_SIZE);
+  uint within = (uint)(index % WORK_GROUP_SIZE);
   uint x = tile % tiles_across * TILE_WIDTH + within % TILE_WIDTH;
   uint y = tile / tiles_across * TILE_WIDTH + within / TILE_WIDTH;
   Pixel p;

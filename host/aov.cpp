@@ -96,7 +96,7 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
     kernel.setArg(next, buffer);
     for (std::size_t base = 0; base < count; base += max_launch) {
       const std::size_t items = std::min(max_launch, count - base);
-      kernel.setArg(next + 1, static_cast<cl_uint>(base));
+      kernel.setArg(next + 1, static_cast<cl_ulong>(base));
       device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(WORK_GROUP_SIZE));
       device.queue.enqueueReadBuffer(buffer, CL_TRUE, 0, items * sizeof(AovPixel), pixels.data());
       for (std::size_t i = 0; i < items; ++i)

@@ -25,7 +25,7 @@ cl::Buffer zeroed(const Device& device, std::size_t bytes) {
 // Blocks until it is done. The buffers hold the band.
 void launch(Renderer& renderer, std::size_t band, std::size_t base, std::size_t items, uint samples) {
   const cl_uint first = static_cast<cl_uint>(renderer.scene.size()) + 4;
-  renderer.kernel.setArg(first, static_cast<cl_uint>(base));
+  renderer.kernel.setArg(first, static_cast<cl_ulong>(base));
   renderer.kernel.setArg(first + 1, static_cast<cl_uint>(band * renderer.plan.rows * renderer.settings.crop_width));
   renderer.kernel.setArg(first + 2, static_cast<cl_ulong>(renderer.first_sample + renderer.samples));
   renderer.kernel.setArg(first + 3, static_cast<cl_uint>(samples));

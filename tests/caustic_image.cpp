@@ -1,4 +1,5 @@
 // Light through and around balls, and shadows, against closed forms.
+#include "extremes.h"
 #include "image.h"
 
 using namespace oclair;
@@ -112,11 +113,13 @@ TEST(caustic_image, eclipse_is_a_ring_or_total) {
   }
 }
 
+namespace {
+
 // A unit cube's shadow on a horizontal plane has the area (|x| + |y| + |z|) / |z| for light that travels along (x, y, z). The camera
-// hangs between the two.
-TEST(caustic_image, shadow_of_a_unit_cube_has_its_projected_area) {
+// hangs between the two. Returns how far the area is off, in units of the cube.
+double shadow_of_a_unit_cube(glm::dvec3 corner, double size, double rounding) {
   World world;
-  add_quad(add_shape(world, diffuse(0.5), Sides::front).mesh, {-5, -5, 0}, {10, 0, 0}, {0, 10, 0});
+  add_quad(add_shape(world, diffuse(0.5), Sides::front).mesh, corner, {size, 0, 0}, {0, size, 0});
   add_box(add_black(world).mesh, {-1.5, -1.3, 2.2}, {-0.5, -0.3, 3.2});
   const glm::dvec3 light = glm::normalize(glm::dvec3(0.4, 0.3, -1.0));
   add_light(world, LIGHT_DIRECTIONAL, glm::dvec3(1.0), light);
@@ -125,7 +128,21 @@ TEST(caustic_image, shadow_of_a_unit_cube_has_its_projected_area) {
   const Film film = render_full(world, 128);
   const double lit = 0.5 * 1.0 / (glm::length(glm::dvec3(0.4, 0.3, -1.0)) * pi);
   const Estimate e = estimate(film);
-  EXPECT_NEAR((1.0 - e.mean / lit) * 16.0, 1.7, 16.0 * z_limit * e.error / lit + 1e-5);
-  EXPECT_LE(16.0 * z_power * e.error / lit, 0.005 * 1.7);
+  const double off = std::abs((1.0 - e.mean / lit) * 16.0 - 1.7), noise = 16.0 * e.error / lit;
+  EXPECT_LE(off, z_limit * noise + rounding);
+  EXPECT_LE(z_power * noise, 0.005 * 1.7);
   for (std::size_t i = 0; i < film.pixels.size(); ++i) EXPECT_LE(pixel_mean(film, i)[0], lit * (1.0 + 8 * unit_roundoff));
+  return off;
+}
+
+}  // namespace
+
+TEST(caustic_image, shadow_of_a_unit_cube_has_its_projected_area) { shadow_of_a_unit_cube({-5, -5, 0}, 10, 1e-5); }
+
+// Extreme X13. A plane of 20 000 cubes' widths, the cube near its edge: the frame halves it 14 times, so that what float32
+// rounds is up to 2^-24 2^14 = 2^-10 cubes long: each of the cube's corners, and where the plane is met. The edge of the
+// shadow, 5.4 long, moves by both.
+TEST(caustic_image, shadow_of_a_unit_cube_on_a_plane_of_20000_has_its_projected_area) {
+  const double rounding = 5.4 * 2 * 0x1p-10;
+  record_extreme("X13", shadow_of_a_unit_cube({-1000, -1000, 0}, 20000, rounding), rounding + 0.005 * 1.7);
 }

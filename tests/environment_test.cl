@@ -51,3 +51,16 @@ __kernel void multiply(uint count, __global const float *x, __global const float
   size_t i = get_global_id(0);
   if (i < count) product[i] = x[i] * y[i];
 }
+
+// The functions of the language that kernels call.
+__kernel void functions(uint count, __global const float *x, __global const float *y, __global const float *angle,
+                        __global const float *base, __global float *roots, __global float *sines, __global float *arcs,
+                        __global float *lengths, __global float *powers) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  roots[i] = rsqrt(fabs(x[i]));
+  sines[i] = sin(angle[i]);
+  arcs[i] = atan2(x[i], y[i]);
+  lengths[i] = hypot(x[i], y[i]);
+  powers[i] = powr(base[i], 2.4f);
+}

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "extremes.h"
 #include "kernel.h"
 #include "random.h"
 
@@ -232,6 +233,7 @@ TEST(film_test, samples_that_are_not_finite_negative_or_too_large_are_counted_an
       EXPECT_EQ(std::memcmp(film.moments.data(), before.moments.data(), 3 * sizeof(FilmMoments)), 0) << bad;
     }
   }
+  record_exact("X5");
 }
 
 TEST(film_test, the_limit_of_acceptance_is_finite_not_negative_and_below_the_headroom) {
@@ -343,6 +345,30 @@ TEST(film_test, the_mean_of_2_to_the_28_equal_samples_is_the_sample) {
     for (int other = 0; other < 3; ++other)
       EXPECT_EQ(pixel_mean_products(read, 0)[c][other], static_cast<double>(0.1f) * static_cast<double>(0.1f));
   }
+  record_exact("X27");
+}
+
+// Extreme X27 again: one sample in 1024 is a spike of 2^30 times the others. The sum is that of the integers, and its mean is
+// rounded once.
+TEST(film_test, the_mean_of_2_to_the_28_samples_with_spikes_is_the_exact_mean_rounded_once) {
+  const std::size_t each = 1024;
+  const cl_uint repeat = static_cast<cl_uint>(count_or_small(1024, 1));
+  const std::uint64_t total = std::uint64_t{1} << 28;
+  const float low = 0.1f, spike = std::ldexp(0.7f, 30);
+  std::vector<packed_float3> samples(each, {low, low, low});
+  samples[each / 3] = {spike, spike, spike};
+  const auto units = [](float x) { return static_cast<Uint128>(std::ldexp(static_cast<long double>(x), FILM_FRACTION_BITS)); };
+  const Uint128 thousand = (each - 1) * units(low) + units(spike), preset = thousand * (total / each - repeat);
+  Pixels film(1);
+  for (auto& sum : film.pixels[0].sum) sum[0] = static_cast<cl_ulong>(preset), sum[1] = static_cast<cl_ulong>(preset >> 64);
+  add(film, {0}, samples, 0, repeat);
+  const Film read{1, 1, 0, total, film.pixels, film.moments};
+  const double exact = static_cast<double>(std::ldexp(static_cast<long double>(thousand), -FILM_FRACTION_BITS - 10));
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(narrow({film.pixels[0].sum[c][0], film.pixels[0].sum[c][1], 0}), thousand * (total / each));
+    EXPECT_EQ(pixel_mean(read, 0)[c], exact);
+  }
+  record_exact("X27");
 }
 
 // Extreme X28: samples and exponent times 2^k give the same integers.
@@ -367,6 +393,7 @@ TEST(film_test, scaling_samples_and_exponent_by_a_power_of_two_changes_no_bit) {
         EXPECT_EQ(pixel_mean_products(here, 0)[c][other], std::ldexp(pixel_mean_products(there, 0)[c][other], 2 * k));
     }
   }
+  record_exact("X28");
 }
 
 // Mean and mean products of the accepted samples. Three roundings to the 64 bits of long double and one to double: less than

@@ -52,15 +52,19 @@ inline double relative_deviation(const Film& film, int channel = 0) {
 
 // The mean is exact within the noise, and the noise is small enough to find a relative bias of `finds`. Rounding: a sample sums
 // some tens of float32 roundings, below 64 u.
-inline void expect_mean(const Film& film, double exact, double finds = 0.005, int channel = 0) {
+// Returns how many standard errors it is off beyond them.
+inline double expect_mean(const Film& film, double exact, double finds = 0.005, int channel = 0) {
   EXPECT_EQ(rejected_samples(film), 0u);
   const Estimate e = estimate(film, channel);
   EXPECT_NEAR(e.mean, exact, z_limit * e.error + 64 * unit_roundoff * exact) << "z = " << (e.mean - exact) / e.error;
   EXPECT_LE(z_power * e.error, finds * exact) << "too few samples: standard error " << e.error / exact << " of the mean";
+  const double beyond = std::abs(e.mean - exact) - 64 * unit_roundoff * exact;
+  return beyond > 0.0 ? beyond / e.error : 0.0;
 }
 
-// Every sample of every pixel is the same number to within `relative`.
-inline void expect_every_sample(const Film& film, double exact, double relative, int channel = 0) {
+// Every sample of every pixel is the same number to within `relative`. Returns how far the mean of a pixel is off, relative
+// too.
+inline double expect_every_sample(const Film& film, double exact, double relative, int channel = 0) {
   EXPECT_EQ(rejected_samples(film), 0u);
   double low = 1e300, high = -1e300, spread = 0.0;
   for (std::size_t i = 0; i < film.pixels.size(); ++i) {
@@ -73,6 +77,7 @@ inline void expect_every_sample(const Film& film, double exact, double relative,
   EXPECT_LE(high, exact * (1.0 + relative));
   // The mean square is rounded to double, and holds its samples to 2^-38 of the film's scale.
   EXPECT_LE(spread, exact * exact * (relative * relative + 1e-15));
+  return std::max(exact - low, high - exact) / exact;
 }
 
 // A narrow view: all rays start at `from` and meet within a square of half width 1e-5 |to - from| around `to`; over it any

@@ -31,6 +31,13 @@ inline const Device& device() {
   return opened;
 }
 
+// ctest runs the tests of device code once more with denormals flushed (tests/CMakeLists.txt).
+inline bool keeps_denormals() {
+  const char* flags = std::getenv("POCL_EXTRA_BUILD_FLAGS");
+  if (flags && std::string(flags).find("-cl-denorms-are-zero") != std::string::npos) return false;
+  return (device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_DENORM) != 0;
+}
+
 inline std::filesystem::path directory() { return OCLAIR_TEST_DIRECTORY; }
 
 // An array that the kernel writes; its size is fixed by the caller beforehand.

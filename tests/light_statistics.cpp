@@ -1,5 +1,6 @@
 // Directions and densities of light samples. Every sampled direction is followed in double to the light; uniform by area there (or
 // by solid angle in the cone of a sphere) is what the density says, so that the expected counts are exact.
+#include "extremes.h"
 #include "lights.h"
 #include "statistics.h"
 #include "trace.h"
@@ -245,4 +246,5 @@ TEST(light_statistics, a_mesh_of_100000_triangles_is_chosen_by_area_and_never_wh
   for (const double e : expected) total += e;
   for (double& e : expected) e *= static_cast<double>(draws) / total;
   EXPECT_GE(chi_square_test(counts, expected), false_alarm);
+  record_exact("X24");
 }

@@ -11,3 +11,14 @@ __kernel void pixels(uint count, __global const Settings *settings, __global uin
   result[5 * i + 3] = p.inside;
   result[5 * i + 4] = pixel_stream(settings, p);
 }
+
+__kernel void pixels_at(uint count, __global const Settings *settings, __global const ulong *index, __global uint *result) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  Pixel p = pixel_from_index(settings, index[i]);
+  result[5 * i] = p.x;
+  result[5 * i + 1] = p.y;
+  result[5 * i + 2] = p.index;
+  result[5 * i + 3] = p.inside;
+  result[5 * i + 4] = pixel_stream(settings, p);
+}

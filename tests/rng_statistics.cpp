@@ -1,6 +1,7 @@
 // Numbers of neighbouring pixels, samples, dimensions and seeds must look independent; the kernels are those of rng_test.cl.
 #include <functional>
 
+#include "extremes.h"
 #include "kernel.h"
 #include "statistics.h"
 
@@ -118,6 +119,7 @@ TEST(rng_statistics, neighbours_are_uncorrelated) {
       for (const auto* b : {&there.x, &there.y})
         EXPECT_GT(normal_tails(correlation(*a, *b) * root), significance(40)) << name;
   }
+  record_exact("X22");
 }
 
 // Along a row of pixels, one sample: neighbours of one stream of calls, whose lattice a weak generator shows in three dimensions.

@@ -24,3 +24,8 @@ __kernel void draw(uint count, __global const ulong *keys, __global const uint *
   bits[i] = rng_bits(keys[i], dimension[i]);
   point[i] = rng_point(bits[i]);
 }
+
+__kernel void key_of_sample(uint count, ulong seed, __global const uint *pixel, ulong sample, __global ulong *result) {
+  size_t i = get_global_id(0);
+  if (i < count) result[i] = rng_key(seed, pixel[i], sample);
+}

@@ -1,5 +1,6 @@
 #include <set>
 
+#include "extremes.h"
 #include "inputs.h"
 #include "kernel.h"
 
@@ -30,8 +31,9 @@ std::uint64_t undo_shift(std::uint64_t z, int shift) {
 
 // Inverse of Stafford's variant 13, the output function of SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t unmixed(std::uint64_t z) {
-  z = undo_shift(z, 31) * inverse(0x94d049bb133111ebu);
-  z = undo_shift(z, 27) * inverse(0xbf58476d1ce4e5b9u);
+  static const std::uint64_t second = inverse(0x94d049bb133111ebu), first = inverse(0xbf58476d1ce4e5b9u);
+  z = undo_shift(z, 31) * second;
+  z = undo_shift(z, 27) * first;
   return undo_shift(z, 30);
 }
 
@@ -82,6 +84,7 @@ TEST(rng_test, unit_is_never_one) {
   std::vector<float> result(bits.size());
   run(file, "unit", bits.size(), bits, out(result));
   for (float u : result) EXPECT_EQ(u, 1.0f - 0x1p-24f);
+  record_exact("X20");
 }
 
 // All of them, each with some low bits that must not matter.
@@ -92,6 +95,7 @@ TEST(rng_test, unit_is_every_multiple_of_two_to_the_minus_24) {
   std::vector<float> result(count);
   run(file, "unit", count, bits, out(result));
   for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(result[i], static_cast<double>(i * step) * 0x1p-24);
+  record_exact("X20");
 }
 
 // Published outputs of SplitMix64 seeded with 0 and with 1234567: its n-th state is the seed plus n times the golden gamma.
@@ -148,6 +152,25 @@ TEST(rng_test, keys_of_all_streams_of_a_seed_differ) {
   for (cl_uint pixel = 0; pixel < pixels; ++pixel)
     for (cl_ulong sample : {cl_ulong{0}, cl_ulong{1}}) streams.push_back({5, pixel, sample});
   EXPECT_EQ(distinct(keys(streams)), streams.size());
+  record_exact("X22");
+}
+
+// So no two are equal: from the key of each of 8192^2 pixels, with samples of all sizes, both numbers come back.
+TEST(rng_test, the_key_of_every_pixel_of_8192_squared_tells_pixel_and_sample) {
+  constexpr cl_ulong seed = 5, golden = 0x9e3779b97f4a7c15u;
+  const cl_ulong start = mixed({seed + golden})[0];
+  const std::size_t pixels = count_or_small(std::size_t{1} << 26, 1024), chunk = std::min<std::size_t>(pixels, 1 << 22);
+  std::size_t wrong = 0;
+  for (std::size_t first = 0; first < pixels; first += chunk) {
+    std::vector<cl_uint> pixel(chunk);
+    for (std::size_t i = 0; i < chunk; ++i) pixel[i] = static_cast<cl_uint>(first + i);
+    const cl_ulong sample = (cl_ulong{1} << 33) - 1 - first * 127;
+    std::vector<cl_ulong> key(chunk);
+    run(file, "key_of_sample", chunk, seed, pixel, sample, out(key));
+    for (std::size_t i = 0; i < chunk; ++i) wrong += (unmixed(key[i]) ^ start) != (sample << 31 | pixel[i]);
+  }
+  EXPECT_EQ(wrong, 0u);
+  record_exact("X22");
 }
 
 // 64 seeds next to each other by value or by one bit, 64 pixels, 4 samples.

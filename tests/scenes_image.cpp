@@ -7,6 +7,7 @@
 
 #include "../host/reader.h"
 #include "../host/variant.h"
+#include "extremes.h"
 #include "worlds.h"
 
 using namespace oclair;
@@ -109,6 +110,7 @@ TEST(scenes_image, kernels_with_more_features_give_the_film_of_the_exact_one) {
     EXPECT_EQ(different_pixels(exact, shared), 0u) << name;
     EXPECT_EQ(different_pixels(exact, full), 0u) << name;
   }
+  record_exact("X32");
 }
 
 TEST(scenes_image, the_scenes_of_the_repository_share_three_kernels) {

@@ -1,3 +1,4 @@
+#include "../cl/mirror.h"
 #include "../cl/rng.h"
 #include "../cl/surface.h"
 #include "../cl/traverse.h"
@@ -60,4 +61,24 @@ __kernel void walk(uint count, __global const BvhNode *nodes, __global const Tri
     ray.skip = hit.primitive;
   }
   survived[i] = n;
+}
+
+// The same between mirrors: where the ray is after `bounces` of them. Its primitive is NONE if it got out.
+__kernel void reflect(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks,
+                      __global const Quadric *quadrics, __global const Shape *shapes, __global const uint *triangle_shape,
+                      uint bounces, __global Ray *rays) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  Scene scene = {.nodes = nodes, .blocks = blocks, .quadrics = quadrics, .shapes = shapes, .triangle_shape = triangle_shape};
+  Ray ray = rays[i];
+  for (uint n = 0; n < bounces; ++n) {
+    Hit hit = traverse_closest(&scene, &ray);
+    ray.skip = hit.primitive;
+    if (hit.primitive == NONE) break;
+    Surface s = surface_from_hit(&scene, &ray, hit);
+    float3 w = renormalize(frame_to_world(s.frame, mirror_direction(frame_to_local(s.frame, -unpack3(ray.direction)))));
+    ray.origin = pack3(surface_offset(s.position, s.error, s.geometric, w));
+    ray.direction = pack3(w);
+  }
+  rays[i] = ray;
 }

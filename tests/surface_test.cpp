@@ -1,4 +1,5 @@
 // Points, error bounds and normals of surfaces, and rays that leave them (extremes X9, X10, X16).
+#include "extremes.h"
 #include "trace.h"
 
 using namespace oclair;
@@ -91,6 +92,7 @@ TEST(surface_test, the_error_bounds_how_far_the_point_is_off_the_triangle) {
     const glm::dvec3 exact = a + static_cast<double>(hits[i].b1) * e1 + static_cast<double>(hits[i].b2) * e2;
     for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(p[k] - exact[k]), bound[k] + 1.5 * unit_roundoff * std::abs(a[k])) << i;
   }
+  record_extreme("X9", worst, 1);
   EXPECT_GT(worst, 0.1);  // the bound is not ten times too wide
 }
 
@@ -122,7 +124,7 @@ TEST(surface_test, a_ray_that_leaves_a_triangle_does_not_hit_it_again_even_if_it
       for (const packed_float3& o : offset) largest = std::max(largest, glm::length(unpacked(o)));
     }
   EXPECT_EQ(again_total, 0u) << "of " << rays;
-  EXPECT_LE(largest, 2e-6);
+  record_extreme("X9", largest, 2e-6);
   EXPECT_GT(largest, 1e-8);
 }
 
@@ -147,6 +149,31 @@ TEST(surface_test, no_diffuse_walk_of_a_thousand_bounces_leaves_a_closed_room) {
   World sphere;
   add_shape(sphere, diffuse(0.5), Sides::both).geometry = Geometry::sphere;
   no_walk_leaves(sphere, "true sphere");
+  record_exact("X10");
+}
+
+// Extreme X30. Walls along the axes only turn the signs of the direction: its components come back. Each bounce renormalises
+// with two roundings of at most u a component.
+TEST(surface_test, a_thousand_reflections_in_a_closed_box_keep_the_direction) {
+  World world;
+  add_box(add_shape(world, mirror(1.0), Sides::front).mesh, {-1, -0.8, -0.9}, {1, 0.8, 0.9}, true);
+  const Scene scene = place_scene(world);
+  const Bvh bvh = build_bvh(scene, device().bvh_width);
+  const auto bounces = static_cast<cl_uint>(count_or_small(1000, 10));
+  Random random(12);
+  std::vector<Ray> start;
+  for (std::size_t i = 0; i < count_or_small(5000, 5); ++i)
+    start.push_back({packed(random.in_cube(0.3)), 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
+  std::vector<Ray> end = start;
+  run_with({scene.features, bvh.width, bvh.stack_size()}, "surface_test.cl", "reflect", end.size(), bvh.nodes, bvh.blocks,
+           scene.quadrics, scene.shapes, scene.triangle_shape, bounces, out(end));
+  double worst = 0.0;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    ASSERT_NE(end[i].skip, NONE) << i;
+    worst = std::max(worst, glm::length(glm::abs(unpacked(end[i].direction)) - glm::abs(unpacked(start[i].direction))));
+    EXPECT_NEAR(glm::length(unpacked(end[i].direction)), 1.0, 4 * unit_roundoff);
+  }
+  record_extreme("X30", worst, 1000 * 2 * unit_roundoff);
 }
 
 // Extreme X16. A triangle in z = 0 whose front is +z; the ray comes from above and from below.
@@ -173,6 +200,7 @@ TEST(surface_test, the_shading_normal_is_the_interpolated_one_where_it_faces_the
   scene.shapes = {{0, 0, NONE, 1, 0, 0, NONE}};
   scene.triangle_vertices = {{0, 1, 2}};
   const Bvh bvh = build_bvh(scene, 8);
+  double worst = 0.0;
   for (const Row& row : table) {
     scene.normals.assign(row.n, row.n + 3);
     const Hit hit{1.0f, 0.125f, 0.375f, 0, 0};
@@ -185,9 +213,12 @@ TEST(surface_test, the_shading_normal_is_the_interpolated_one_where_it_faces_the
     EXPECT_EQ(s.front != 0, front);
     EXPECT_LE(glm::length(unpacked(s.geometric) - geometric), 0.0);
     // rsqrt: 2 ulp, and 6 roundings
-    EXPECT_LE(glm::length(unpacked(s.shading) - (row.interpolated ? shading : geometric)), 12 * unit_roundoff) << row.n[0].x << " " << row.from.x;
+    const double off = glm::length(unpacked(s.shading) - (row.interpolated ? shading : geometric)) / unit_roundoff;
+    EXPECT_LE(off, 12) << row.n[0].x << " " << row.from.x;
+    worst = std::max(worst, off);
     EXPECT_GT(glm::dot(unpacked(s.shading), wo), 0.0);
   }
+  record_extreme("X16", worst, 12);
 }
 
 // The normal of slivers, down to edges of 1e-30: cross products and their squares would underflow.
@@ -219,15 +250,19 @@ TEST(surface_test, the_geometric_normal_of_a_sliver_is_that_of_double_and_faces_
   }
   const std::vector<Result> results = surfaces(scene, bvh, rays, hits);
   EXPECT_GT(hits.size(), triangles.size() / 2);
+  double worst = 0.0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const glm::dvec3 n = unpacked(results[i].geometric), wo = -unpacked(rays[i].direction);
     const double cosine = glm::dot(exact[i], wo);
     // Every component to 1.5 ulp of itself, the scaling one and normalising three more.
-    EXPECT_LE(std::min(glm::length(n - exact[i]), glm::length(n + exact[i])), 10 * unit_roundoff) << i;
+    const double off = std::min(glm::length(n - exact[i]), glm::length(n + exact[i])) / unit_roundoff;
+    EXPECT_LE(off, 10) << i;
+    worst = std::max(worst, off);
     if (std::abs(cosine) < 1e-5) continue;
     EXPECT_EQ(results[i].front != 0, cosine > 0);
     EXPECT_GT(glm::dot(n, wo), 0.0);
   }
+  record_extreme("X14", worst, 10);
 }
 
 // Slivers whose float32 edges are parallel, or whose cross product underflows, have no normal on the device: they must not get there.
@@ -256,6 +291,7 @@ TEST(surface_test, every_triangle_that_a_scene_keeps_has_a_unit_normal) {
   std::size_t wrong = 0;
   for (const Result& s : surfaces(scene, bvh, rays, hits)) wrong += !(std::abs(glm::length(unpacked(s.geometric)) - 1.0) < 4 * unit_roundoff);
   EXPECT_EQ(wrong, 0u) << "of " << hits.size();
+  record_exact("X14");
 }
 
 TEST(surface_test, points_of_quadrics_lie_within_their_error_and_normals_point_outwards_unless_flipped) {

@@ -12,10 +12,11 @@ namespace oclair::test {
 
 using Corners = std::array<packed_float3, 3>;
 
-// Sheared vertices a_x = (v_x - o_x) - s_x a_z, edge functions U = c_x b_y - c_y b_x, ...; in float each sheared coordinate errs by
-// u (|v_x - o_x| + 3 |s_x a_z| + |a_x|): the difference, two roundings of s_x and one of a_z, the fma. The products of an edge
-// function add u (|c_x b_y| + |c_y b_x| + |U|). The parameter z = sum U_i z_i / sum U_i then errs by
-// sum e_i |z_i - z| / |det'|, exactly, and by 10 roundings of |z| at most. All division and square root correctly rounded.
+// Sheared vertices a_x = (v_x - o_x) - s_x a_z, edge functions U = c_x b_y - c_y b_x, ...; in float each sheared coordinate
+// errs by u (|v_x - o_x| + 3 |s_x a_z| + |a_x|): the difference, two roundings of s_x and one of a_z, the fma. The products of
+// an edge function add u (|c_x b_y| + |c_y b_x| + |U|), and 2^-126 for each of three operations whose result may be flushed to
+// zero. The parameter z = sum U_i z_i / sum U_i then errs by sum e_i |z_i - z| / |det'|, exactly, and by 10 roundings of |z| at
+// most. All division and square root correctly rounded.
 template <class Real>
 struct TriangleOracle {
   bool certain_hit = false;   // whatever the rounding, for 0 < t < infinity
@@ -51,7 +52,8 @@ TriangleOracle<Real> exact_intersection(const Ray& ray, const Corners& corners) 
     const int b = (i + 1) % 3, c = (i + 2) % 3;
     edge[i] = x[c] * y[b] - y[c] * x[b];
     error[i] = std::abs(x[c]) * ey[b] + std::abs(y[b]) * ex[c] + std::abs(y[c]) * ex[b] + std::abs(x[b]) * ey[c] +
-               ex[c] * ey[b] + ey[c] * ex[b] + u * (std::abs(x[c] * y[b]) + std::abs(y[c] * x[b]) + std::abs(edge[i]));
+               ex[c] * ey[b] + ey[c] * ex[b] + u * (std::abs(x[c] * y[b]) + std::abs(y[c] * x[b]) + std::abs(edge[i])) +
+               3 * Real(0x1p-126);
     det += edge[i];
     det_error += error[i];
     above += edge[i] > error[i];

@@ -88,7 +88,7 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, 
   try {
     Renderer renderer{&device, scene.settings, film, upload(device, plan), zeroed(device, film.film), zeroed(device, film.moments),
                       zeroed(device, film.errors), zeroed(device, max_launch * sizeof(cl_ulong)), {}};
-    renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
+    renderer.kernel = cl::Kernel(build_program(device, device.kernels / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film);
     renderer.kernel.setArg(next + 1, renderer.moments);

@@ -64,11 +64,11 @@ PROBE arithmetic(uint count, __global const float2 *xy, __global float8 *result,
   accepted[i] = film_accepts(x, 0);
 }
 
-// x y, the high half of x y, x + y with its carry (film_carry), x << s, x >> s with s = y modulo 64; of the low words x y and its high half.
+// x y, the high half of x y, x + y + (x & 1) with its carry (film_carry), x << s, x >> s with s = y modulo 64; of the low words x y and its high half.
 PROBE integers(uint count, __global const ulong2 *xy, __global ulong8 *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;
-  ulong x = xy[i].x, y = xy[i].y, carry = 0;
+  ulong x = xy[i].x, y = xy[i].y, carry = x & 1ul;
   ulong sum = film_carry(x, y, &carry);
   result[i] = (ulong8)(x * y, mul_hi(x, y), sum, carry, x << (y & 63ul), x >> (y & 63ul), (uint)x * (uint)y, mul_hi((uint)x, (uint)y));
 }

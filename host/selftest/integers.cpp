@@ -23,7 +23,7 @@ std::size_t wrong_integers(const Session& session, Random& random) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < xy.size(); ++i) {
     const ulong x = xy[i].s[0], y = xy[i].s[1], low = x & 0xffffffffu, low_product = low * (y & 0xffffffffu);
-    const Uint128 product = static_cast<Uint128>(x) * y, sum = static_cast<Uint128>(x) + y;
+    const Uint128 product = static_cast<Uint128>(x) * y, sum = static_cast<Uint128>(x) + y + (x & 1);
     const ulong expected[8] = {static_cast<ulong>(product), static_cast<ulong>(product >> 64), static_cast<ulong>(sum), static_cast<ulong>(sum >> 64),
                                x << (y & 63), x >> (y & 63), low_product & 0xffffffffu, low_product >> 32};
     wrong += !std::equal(expected, expected + 8, result[i].s);

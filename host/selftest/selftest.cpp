@@ -89,11 +89,12 @@ std::string Report::json() const {
   return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // drivers' names may be in any encoding
 }
 
-Report run_selftest(const Device& device, const std::function<void(const Group&)>& done) {
+Report run_selftest(const Device& device, const std::function<void(const Group&)>& done, const std::string& only) {
   const auto start = std::chrono::steady_clock::now();
   Report report{describe(device.device)};
   const Session session{device, build_program(device, device.kernels / "selftest.cl", {ALL_FEATURES, device.bvh_width})};
   for (const Entry& entry : entries) {
+    if (!only.empty() && only != entry.name) continue;
     const auto begun = std::chrono::steady_clock::now();
     Group group{entry.name};
     try {

@@ -46,7 +46,7 @@ struct Report {
   std::string json() const;
 };
 
-// Runs every group, and tells of each when it is done. Throws Error(Exit::device) if the kernels do not compile.
-Report run_selftest(const Device& device, const std::function<void(const Group&)>& done = {});
+// Runs every group, or only one, and tells of each when it is done. Throws Error(Exit::device) if the kernels do not compile.
+Report run_selftest(const Device& device, const std::function<void(const Group&)>& done = {}, const std::string& only = {});
 
 }  // namespace oclair::selftest

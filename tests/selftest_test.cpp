@@ -57,13 +57,13 @@ selftest::Report with_changes(const std::vector<Change>& changes, const std::str
   Device device = open_device();
   device.kernels = directory / "cl";
   copy_kernels(device.kernels, changes);
-  return run_selftest(device, {}, only);
+  return selftest::run_selftest(device, {}, only);
 }
 
 selftest::Report with_flags(const std::string& flags) {
   Device device = open_device();
   device.flags = flags;
-  return run_selftest(device);
+  return selftest::run_selftest(device);
 }
 
 // What a kernel of its own makes of two floats, compiled with the flags: whether a fault shows on this device at all.
@@ -87,7 +87,7 @@ bool folds_comparisons_of_nan(const std::string& flags) { return probe("x != x ?
 }  // namespace
 
 TEST(selftest_test, every_group_passes_on_this_device) {
-  const selftest::Report report = run_selftest(open_device());
+  const selftest::Report report = selftest::run_selftest(open_device());
   expect_failures(report, {});
   EXPECT_GE(report.groups.size(), 16u);
   for (const selftest::Group& group : report.groups) EXPECT_FALSE(group.figures.empty()) << group.name;

@@ -5,7 +5,8 @@
 #include "layout_members.h"
 #include "vector.h"
 
-// In the order of the list: of a struct its size, of a member its offset and its size. Addresses are compared, never read through.
+// In the order of the list: of a struct its size, of a member its offset and its size. Addresses are compared, never
+// read through.
 INLINE void layout_of_structs(__global uint *result) {
 #define STRUCT_SIZE(type) result[n++] = (uint)sizeof(type);
 #define MEMBER_PLACE(type, member)                                                                     \

@@ -20,7 +20,8 @@ PROBE products(uint count, __global const float4 *xyzw, __global float4 *result)
   size_t i = get_global_id(0);
   if (i >= count) return;
   float4 v = xyzw[i];
-  result[i] = (float4)(v.x * v.y - v.z * v.w, v.x * v.y + v.z, fma(v.x, v.y, v.z), difference_of_products(v.x, v.y, v.z, v.w));
+  result[i] =
+      (float4)(v.x * v.y - v.z * v.w, v.x * v.y + v.z, fma(v.x, v.y, v.z), difference_of_products(v.x, v.y, v.z, v.w));
 }
 
 // x/y, 1/y, sqrt(x), rsqrt(x) of positive numbers.
@@ -51,8 +52,8 @@ PROBE compare(uint count, __global const float2 *xy, __global uint *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   float x = xy[i].x, y = xy[i].y;
-  result[i] = (uint)(x < y) | (uint)(x <= y) << 1 | (uint)(x == y) << 2 | (uint)(x != y) << 3 | (uint)(x > y) << 4 | (uint)(x >= y) << 5 |
-              (uint)(!(x > y)) << 6 | (uint)(x != x) << 7;
+  result[i] = (uint)(x < y) | (uint)(x <= y) << 1 | (uint)(x == y) << 2 | (uint)(x != y) << 3 | (uint)(x > y) << 4 |
+              (uint)(x >= y) << 5 | (uint)(!(x > y)) << 6 | (uint)(x != x) << 7;
 }
 
 // x + y, x - y, x * y, x / y, sqrt(x), fmin, fmax of any two floats; what film_accepts says of x at exponent 0.
@@ -64,17 +65,20 @@ PROBE arithmetic(uint count, __global const float2 *xy, __global float8 *result,
   accepted[i] = film_accepts(x, 0);
 }
 
-// x y, the high half of x y, x + y + (x & 1) with its carry (film_carry), x << s, x >> s with s = y modulo 64; of the low words x y and its high half.
+// x y, the high half of x y, x + y + (x & 1) with its carry (film_carry), x << s, x >> s with s = y modulo 64; of the low
+// words x y and its high half.
 PROBE integers(uint count, __global const ulong2 *xy, __global ulong8 *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   ulong x = xy[i].x, y = xy[i].y, carry = x & 1ul;
   ulong sum = film_carry(x, y, &carry);
-  result[i] = (ulong8)(x * y, mul_hi(x, y), sum, carry, x << (y & 63ul), x >> (y & 63ul), (uint)x * (uint)y, mul_hi((uint)x, (uint)y));
+  result[i] = (ulong8)(x * y, mul_hi(x, y), sum, carry, x << (y & 63ul), x >> (y & 63ul), (uint)x * (uint)y,
+                       mul_hi((uint)x, (uint)y));
 }
 
 // To integers, with saturation; to floats.
-PROBE conversions(uint count, __global const float *x, __global const uint *n, __global int *saturated, __global float4 *result) {
+PROBE conversions(uint count, __global const float *x, __global const uint *n, __global int *saturated,
+                  __global float4 *result) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   saturated[i] = convert_int_sat(x[i]);
@@ -82,8 +86,8 @@ PROBE conversions(uint count, __global const float *x, __global const uint *n, _
 }
 
 // Adds samples [i per_pixel, (i + 1) per_pixel), numbered from 0, to pixel 2 i: those between are nobody's.
-PROBE film_samples(uint count, __global const packed_float3 *samples, uint per_pixel, int exponent, __global FilmPixel *pixels,
-                   __global FilmMoments *moments, __global FilmErrors *errors) {
+PROBE film_samples(uint count, __global const packed_float3 *samples, uint per_pixel, int exponent,
+                   __global FilmPixel *pixels, __global FilmMoments *moments, __global FilmErrors *errors) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   for (uint k = 0; k < per_pixel; ++k) {
@@ -99,8 +103,8 @@ PROBE units(uint count, __global const uint *bits, __global float *result) {
 }
 
 // The numbers of one dimension of a sample of a pixel.
-PROBE draw(uint count, __global const Settings *settings, __global const uint *pixel, __global const ulong *sample, __global const uint *dimension,
-           __global ulong *bits, __global float2 *point) {
+PROBE draw(uint count, __global const Settings *settings, __global const uint *pixel, __global const ulong *sample,
+           __global const uint *dimension, __global ulong *bits, __global float2 *point) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Sampler sampler = sampler_begin(settings, pixel[i], sample[i]);
@@ -108,8 +112,8 @@ PROBE draw(uint count, __global const Settings *settings, __global const uint *p
   point[i] = sampler_2d(&sampler, dimension[i]);
 }
 
-PROBE warps(uint count, __global const float2 *u, __global float2 *circle, __global float4 *hemisphere, __global float4 *sphere,
-            __global float2 *triangle) {
+PROBE warps(uint count, __global const float2 *u, __global float2 *circle, __global float4 *hemisphere,
+            __global float4 *sphere, __global float2 *triangle) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   circle[i] = warp_circle(u[i].y);
@@ -124,8 +128,8 @@ PROBE mis_weights(uint count, __global const float2 *densities, __global float *
 }
 
 // Reflectance, transmittance and transmitted cosine; the refracted direction of a ray in the plane y = 0.
-PROBE fresnel(uint count, __global const float *cosine, __global const float *eta, __global const uint *front, __global float4 *result,
-              __global float4 *refracted) {
+PROBE fresnel(uint count, __global const float *cosine, __global const float *eta, __global const uint *front,
+              __global float4 *result, __global float4 *refracted) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Interface between = interface_from_eta(eta[i], front[i] != 0u);
@@ -136,8 +140,8 @@ PROBE fresnel(uint count, __global const float *cosine, __global const float *et
 }
 
 // The texels around a coordinate.
-PROBE texel_spans(uint count, __global const float *u, uint n, uint wrap, uint nearest, __global uint *first, __global uint *second,
-                  __global float *weight) {
+PROBE texel_spans(uint count, __global const float *u, uint n, uint wrap, uint nearest, __global uint *first,
+                  __global uint *second, __global float *weight) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const TexelSpan s = texel_span(u[i], n, wrap, nearest != 0u);
@@ -166,8 +170,8 @@ PROBE boxes(uint count, __global const BvhNode *nodes, __global const Ray *rays,
   for (uint lane = 0; lane < BVH_WIDTH; ++lane) near[i * BVH_WIDTH + lane] = lanes.lane[lane];
 }
 
-PROBE closest(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Ray *rays, __global Hit *hits,
-              __global uint *blocked) {
+PROBE closest(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Ray *rays,
+              __global Hit *hits, __global uint *blocked) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Scene scene = {.nodes = nodes, .blocks = blocks};
@@ -176,10 +180,11 @@ PROBE closest(uint count, __global const BvhNode *nodes, __global const Triangle
   blocked[i] = traverse_any(&scene, &ray);
 }
 
-// Rays that leave the triangles at the hits in direction w: where they start, and whether they hit the very triangle again, which is not
-// left out here.
-PROBE leave(uint count, __global const TriangleBlock *blocks, __global const Shape *shapes, __global const uint *triangle_shape,
-            __global const Hit *hits, __global const packed_float3 *w, __global packed_float3 *offset, __global uint *again) {
+// Rays that leave the triangles at the hits in direction w: where they start, and whether they hit the very triangle again,
+// which is not left out here.
+PROBE leave(uint count, __global const TriangleBlock *blocks, __global const Shape *shapes,
+            __global const uint *triangle_shape, __global const Hit *hits, __global const packed_float3 *w,
+            __global packed_float3 *offset, __global uint *again) {
   size_t i = get_global_id(0);
   if (i >= count) return;
   const Scene scene = {.blocks = blocks, .shapes = shapes, .triangle_shape = triangle_shape};
@@ -195,10 +200,12 @@ PROBE leave(uint count, __global const TriangleBlock *blocks, __global const Sha
 
 // `bounces` diffuse bounces inside a closed scene; returns after how many the path got out, or `bounces`.
 PROBE walk(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Quadric *quadrics,
-           __global const Shape *shapes, __global const uint *triangle_shape, __global const Ray *start, uint bounces, __global uint *survived) {
+           __global const Shape *shapes, __global const uint *triangle_shape, __global const Ray *start, uint bounces,
+           __global uint *survived) {
   size_t i = get_global_id(0);
   if (i >= count) return;
-  const Scene scene = {.nodes = nodes, .blocks = blocks, .quadrics = quadrics, .shapes = shapes, .triangle_shape = triangle_shape};
+  const Scene scene = {
+      .nodes = nodes, .blocks = blocks, .quadrics = quadrics, .shapes = shapes, .triangle_shape = triangle_shape};
   Ray ray = start[i];
   const ulong key = rng_key(1ul, (uint)i, 0ul);
   uint n = 0;

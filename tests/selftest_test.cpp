@@ -1,4 +1,5 @@
-// The self-test passes here, and fails in the right groups for each fault that is planted in a copy of its kernels or in its compiler's flags.
+// The self-test passes here, and fails in the right groups for each fault that is planted in a copy of its kernels or in its
+// compiler's flags.
 #include "../host/selftest/selftest.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +47,8 @@ Names failed(const selftest::Report& report) {
 }
 
 const selftest::Group& group_of(const selftest::Report& report, const std::string& name) {
-  return *std::find_if(report.groups.begin(), report.groups.end(), [&](const selftest::Group& group) { return group.name == name; });
+  return *std::find_if(report.groups.begin(), report.groups.end(),
+                       [&](const selftest::Group& group) { return group.name == name; });
 }
 
 std::string lines(const selftest::Report& report) {
@@ -55,7 +57,9 @@ std::string lines(const selftest::Report& report) {
   return text;
 }
 
-void expect_failures(const selftest::Report& report, const Names& names) { EXPECT_EQ(failed(report), names) << lines(report); }
+void expect_failures(const selftest::Report& report, const Names& names) {
+  EXPECT_EQ(failed(report), names) << lines(report);
+}
 
 // All groups, or one, the fault planted.
 selftest::Report with_changes(const std::vector<Change>& changes, const std::string& only = {}) {
@@ -72,12 +76,17 @@ selftest::Report with_flags(const std::string& flags, const std::string& only = 
   return selftest::run_selftest(device, {}, only);
 }
 
-// What a kernel of its own makes of floats, compiled with the flags: whether a fault shows on this device at all. Many work items, since
-// compilers do other things with several of them at a time.
+// What a kernel of its own makes of floats, compiled with the flags: whether a fault shows on this device at all. Many work
+// items, since compilers do other things with several of them at a time.
 std::vector<float> probe(const std::string& expression, const std::string& flags, const std::vector<float>& x, float y) {
   const Device device = open_device();
-  const std::string source = "#pragma OPENCL FP_CONTRACT ON\n__kernel void probe(uint count, __global const float *xs, float y, __global float *r) {\n"
-                             "  size_t i = get_global_id(0);\n  if (i >= count) return;\n  float x = xs[i];\n  r[i] = " + expression + ";\n}\n";
+  const std::string source =
+      "#pragma OPENCL FP_CONTRACT ON\n"
+      "__kernel void probe(uint count, __global const float *xs, float y, __global float *r) {\n"
+      "  size_t i = get_global_id(0);\n"
+      "  if (i >= count) return;\n"
+      "  float x = xs[i];\n"
+      "  r[i] = " + expression + ";\n}\n";
   cl::Program program(device.context, source);
   program.build({device.device}, ("-cl-std=CL1.2 " + flags).c_str());
   std::vector<float> result(x.size());
@@ -107,24 +116,28 @@ TEST(selftest_test, every_group_passes_on_this_device) {
   for (const selftest::Group& group : report.groups) EXPECT_FALSE(group.figures.empty()) << group.name;
 }
 
-// (1 + 2^-12)^2 = 1 + 2^-11 + 2^-24, whose last bit is lost unless the product is fused: where it is, a compiler contracts what the
-// sources let it, edges are no longer antisymmetric, and rays pass between triangles. Where it is not, nothing is wrong without the pragma.
+// (1 + 2^-12)^2 = 1 + 2^-11 + 2^-24, whose last bit is lost unless the product is fused: where it is, a compiler contracts
+// what the sources let it, edges are no longer antisymmetric, and rays pass between triangles. Where it is not, nothing is
+// wrong without the pragma.
 TEST(selftest_test, contraction_fails_by_itself_and_where_rays_pass_between_triangles) {
   const bool contracts = probe("x * x - y", "", {1 + 0x1p-12f}, 1 + 0x1p-11f)[0] != 0.0f;
-  const selftest::Report report = with_changes({{"types.h", "#pragma OPENCL FP_CONTRACT OFF", "#pragma OPENCL FP_CONTRACT ON"}});
+  const selftest::Report report =
+      with_changes({{"types.h", "#pragma OPENCL FP_CONTRACT OFF", "#pragma OPENCL FP_CONTRACT ON"}});
   expect_failures(report, contracts ? Names{"contraction", "triangles"} : Names{});
 }
 
-// A compiler that is told that there are no NaNs may fold x != x. Where the probe says that it does, the group of exceptions fails.
+// A compiler that is told that there are no NaNs may fold x != x. Where the probe says that it does, the group of exceptions
+// fails.
 TEST(selftest_test, finite_math_only_fails_as_exceptions_where_it_folds_comparisons) {
   const std::string flags = "-cl-finite-math-only";
   expect_failures(with_flags(flags, "exceptions"), folds_comparisons_of_nan(flags) ? Names{"exceptions"} : Names{});
 }
 
-TEST(selftest_test, fast_relaxed_math_fails_as_exceptions_where_it_folds_comparisons_and_as_accuracy_where_it_rounds_quotients_wrongly) {
+TEST(selftest_test, fast_relaxed_math_fails_where_it_folds_comparisons_and_where_it_rounds_quotients_wrongly) {
   const std::string flags = "-cl-fast-relaxed-math";
   expect_failures(with_flags(flags, "exceptions"), folds_comparisons_of_nan(flags) ? Names{"exceptions"} : Names{});
-  const bool promised = (open_device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+  const bool promised =
+      (open_device().device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   const bool wrong = promised && rounds_quotients_wrongly(flags + " -cl-fp32-correctly-rounded-divide-sqrt");
   expect_failures(with_flags(flags, "accuracy"), wrong ? Names{"accuracy"} : Names{});
 }
@@ -138,13 +151,16 @@ TEST(selftest_test, flushed_denormals_fail_as_denormals_and_spoil_nothing_else) 
 }
 
 TEST(selftest_test, rays_that_start_on_their_surface_fail_as_surfaces) {
-  const selftest::Report report = with_changes({{"surface.h", "float distance = dot(fabs(normal), error);", "float distance = 0.0f;"}});
+  const selftest::Report report =
+      with_changes({{"surface.h", "float distance = dot(fabs(normal), error);", "float distance = 0.0f;"}});
   expect_failures(report, {"surfaces"});
   EXPECT_FALSE(group_of(report, "surfaces").figure("that hit their own triangle").passed());
 }
 
 TEST(selftest_test, rays_that_start_a_fixed_distance_off_their_surface_fail_as_surfaces) {
-  expect_failures(with_changes({{"surface.h", "float distance = dot(fabs(normal), error);", "float distance = 1e-4f;"}}, "surfaces"), {"surfaces"});
+  expect_failures(
+      with_changes({{"surface.h", "float distance = dot(fabs(normal), error);", "float distance = 1e-4f;"}}, "surfaces"),
+      {"surfaces"});
 }
 
 TEST(selftest_test, random_numbers_that_can_be_1_fail_as_samplers) {
@@ -176,14 +192,19 @@ TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
   const Fault faults[] = {
       {"layout", {"types.h", "float b1, b2;    // triangle", "float b2, b1;    // triangle"}},
       {"integers", {"film.h", "*carry = overflow | (sum < *carry);", "*carry = overflow;"}},
-      {"film", {"film.h", "value = shift > -64 ? (value + (1ul << (-shift - 1))) >> -shift : 0ul;", "value = shift > -64 ? value >> -shift : 0ul;"}},
+      {"film",
+       {"film.h", "value = shift > -64 ? (value + (1ul << (-shift - 1))) >> -shift : 0ul;",
+        "value = shift > -64 ? value >> -shift : 0ul;"}},
       {"sampler", {"sobol.h", "digits ^= digits << 1 & 10u;", "digits ^= digits << 1 & 8u;"}},
       {"warps", {"warp.h", "sqrt(1.0f - u.x)", "sqrt(1.0f - d.x * d.x - d.y * d.y)"}},
       {"mis", {"mis.h", "return 1.0f / fma(r, r, 1.0f);", "return a * a / (a * a + b * b);"}},
-      {"fresnel", {"fresnel.h", "f.transmittance = 2.0f * c * g * fma(i.eta2, inverse_q2, inverse_p2);", "f.transmittance = 1.0f - f.reflectance;"}},
+      {"fresnel",
+       {"fresnel.h", "f.transmittance = 2.0f * c * g * fma(i.eta2, inverse_q2, inverse_p2);",
+        "f.transmittance = 1.0f - f.reflectance;"}},
       {"textures", {"texture.h", "(uint)clamp(convert_int_sat(x), 0, (int)n - 1)", "(uint)convert_int_sat(x)"}},
       {"accuracy", {"selftest.cl", "1.0f / v.y, sqrt(v.x)", "1.0f / v.y, 1.0f / rsqrt(v.x)"}},
-      {"render", {"path.h", "float weight = path->pdf > 0.0f ? mis_power(path->pdf, light_pdf) : 1.0f;", "float weight = 1.0f;"}},
+      {"render",
+       {"path.h", "float weight = path->pdf > 0.0f ? mis_power(path->pdf, light_pdf) : 1.0f;", "float weight = 1.0f;"}},
   };
   for (const Fault& fault : faults) expect_failures(with_changes({fault.change}, fault.group), {fault.group});
 }
@@ -243,10 +264,12 @@ TEST(selftest_test, the_command_exits_with_0_writes_a_line_for_each_group_and_th
     EXPECT_NE(result.out.find("\n" + group["name"].get<std::string>() + " "), std::string::npos) << result.out;
     EXPECT_EQ(group["passed"], true);
   }
-  EXPECT_NE(result.out.find("all " + std::to_string(report["groups"].size()) + " groups passed"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("all " + std::to_string(report["groups"].size()) + " groups passed"), std::string::npos)
+      << result.out;
 }
 
-// The program finds its kernels beside itself, where it is installed: here with one that is wrong. With - nothing but JSON is on standard output.
+// The program finds its kernels beside itself, where it is installed: here with one that is wrong. With - nothing but JSON
+// is on standard output.
 TEST(selftest_test, the_command_exits_with_7_and_names_the_groups_that_failed) {
   const TemporaryDirectory directory;
   std::filesystem::create_directories(directory / "bin");
@@ -254,7 +277,8 @@ TEST(selftest_test, the_command_exits_with_7_and_names_the_groups_that_failed) {
   std::filesystem::copy_file(OCLAIR_PROGRAM, directory / "bin/oclair");
   copy_kernels(directory / "share/oclair/cl", {{"mis.h", "return 0.5f;", "return 0.75f;"}});
   const std::string out = directory / "out", err = directory / "err";
-  const int status = std::system(((directory / "bin/oclair").string() + " selftest --json - > " + out + " 2> " + err).c_str());
+  const int status =
+      std::system(((directory / "bin/oclair").string() + " selftest --json - > " + out + " 2> " + err).c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 7);
   const nlohmann::json report = nlohmann::json::parse(content(out));
@@ -271,7 +295,8 @@ TEST(selftest_test, what_cannot_begin_is_refused_at_once) {
     EXPECT_EQ(result.out, "") << message;
     EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
   };
-  expect({"selftest", "--device", "no such device"}, 4, "device \"no such device\" does not exist: expected an index below ");
+  expect({"selftest", "--device", "no such device"}, 4,
+         "device \"no such device\" does not exist: expected an index below ");
   expect({"selftest", "--json", "/no/such/directory/report.json"}, 1,
          "oclair: /no/such/directory/report.json: cannot be written, expected a file in a writable directory\n");
   expect({"selftest", "--json", ""}, 1, "cannot be written");

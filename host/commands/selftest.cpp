@@ -17,7 +17,8 @@ struct SelftestOptions {
 void write_json(const std::string& file, const std::string& json, std::ios::openmode mode) {
   std::ofstream stream(file, mode);
   stream << json;
-  if (!stream.flush()) throw Error(Exit::render_failed, file + ": cannot be written, expected a file in a writable directory");
+  if (!stream.flush())
+    throw Error(Exit::render_failed, file + ": cannot be written, expected a file in a writable directory");
 }
 
 std::string verdict(const selftest::Report& report) {
@@ -34,7 +35,8 @@ Exit run(const SelftestOptions& options) {
   if (json_file) write_json(*options.json, "", std::ios::app);  // a name that cannot be written fails now
   std::cerr << "compiling the self-test for " << device.name << " ..." << std::endl;
   lines << describe(device.device) << std::endl;
-  const selftest::Report report = selftest::run_selftest(device, [&](const selftest::Group& group) { lines << line_of(group) << std::endl; });
+  const selftest::Report report =
+      selftest::run_selftest(device, [&](const selftest::Group& group) { lines << line_of(group) << std::endl; });
   if (json_only) std::cout << report.json() << "\n";
   if (json_file) write_json(*options.json, report.json() + "\n", std::ios::trunc);
   lines << verdict(report) << ", in " << static_cast<int>(report.seconds + 0.5) << " s" << std::endl;
@@ -46,7 +48,8 @@ Exit run(const SelftestOptions& options) {
 Command selftest_command(CLI::App& program) {
   const auto options = std::make_shared<SelftestOptions>();
   CLI::App& line = *program.add_subcommand("selftest", "Tests whether a device computes what the renderer rests on");
-  line.add_option("--json", options->json, "write the results to a file, too, or with - to standard output alone")->type_name("FILE");
+  line.add_option("--json", options->json, "write the results to a file, too, or with - to standard output alone")
+      ->type_name("FILE");
   add_device(line, options->device);
   return {&line, [options] { return run(*options); }};
 }

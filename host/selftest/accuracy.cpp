@@ -14,7 +14,8 @@ struct Worst {
 
 }  // namespace
 
-// The bounds are those of OpenCL 1.2, 7.4, full profile; half an ulp where the device has promised it. No result is denormal.
+// The bounds are those of OpenCL 1.2, 7.4, full profile; half an ulp where the device has promised it. No result is
+// denormal.
 void check_accuracy(const Session& session, Group& group) {
   const bool correct = rounds_correctly(session.device);
   Random random(2);
@@ -42,7 +43,8 @@ void check_accuracy(const Session& session, Group& group) {
   for (std::size_t i = 0; i < many; ++i) {
     const double z = i % 2 ? random.log_between(1e-3, 1e3) : random.between(0.9, 1.1);
     xyzw[i] = {{static_cast<float>(i % 2 ? random.between(-100.0, 100.0) : random.signed_log_between(1e-6, 8.0)),
-                static_cast<float>(random.between(-87.0, 88.0)), static_cast<float>(z), static_cast<float>(random.between(-10.0, 10.0))}};
+                static_cast<float>(random.between(-87.0, 88.0)), static_cast<float>(z),
+                static_cast<float>(random.between(-10.0, 10.0))}};
   }
   run(session, "functions", many, xyzw, out(functions), out(powers));
   Worst sine, cosine, exponential, logarithm, power;

@@ -82,11 +82,12 @@ inline Ray random_ray(const glm::dvec3& target, Random& random) {
   return ray;
 }
 
-// What comes within this of the box, the displacement of the sheared vertices of the triangle test, must be found, and no later than there
-// (host/bvh.h, box_padding).
+// What comes within this of the box, the displacement of the sheared vertices of the triangle test, must be found, and no
+// later than there (host/bvh.h, box_padding).
 inline constexpr long double guaranteed_margin = 10 * unit_roundoff;
 
-// Rays along the axes: origins {-1, -.5, 0, .5, 1}^3, six ways, four signs of the two zeros, a box and a flat box; all coordinates exact.
+// Rays along the axes: origins {-1, -.5, 0, .5, 1}^3, six ways, four signs of the two zeros, a box and a flat box; all
+// coordinates exact.
 struct AxisCases {
   std::vector<Box> boxes;
   std::vector<Ray> rays;
@@ -102,8 +103,15 @@ inline AxisCases axis_cases() {
           d[way / 2] = way % 2 ? -1.0f : 1.0f;
           d[(way / 2 + 1) % 3] = zeros & 1 ? -0.0f : 0.0f;
           d[(way / 2 + 2) % 3] = zeros & 2 ? -0.0f : 0.0f;
-          cases.rays.push_back({{0.5f * (grid % 5 - 2), 0.5f * (grid / 5 % 5 - 2), 0.5f * (grid / 25 - 2)}, 1e30f, {d[0], d[1], d[2]}, NONE, NONE, 0.0f, 0});
-          cases.boxes.push_back(flat ? Box{{-0.5f, -0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}} : Box{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}});
+          cases.rays.push_back({{0.5f * (grid % 5 - 2), 0.5f * (grid / 5 % 5 - 2), 0.5f * (grid / 25 - 2)},
+                                1e30f,
+                                {d[0], d[1], d[2]},
+                                NONE,
+                                NONE,
+                                0.0f,
+                                0});
+          cases.boxes.push_back(flat ? Box{{-0.5f, -0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}}
+                                     : Box{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}});
         }
   return cases;
 }

@@ -74,11 +74,13 @@ void check_width(const Session& session, Group& group) {
 
 }  // namespace
 
-// No box that the exact ray comes within 10 u of is missed or entered too late, and none is found that it passes at more than twice the
-// padding. Rays along the axes, with zeros of either sign, find exactly the boxes that they meet.
+// No box that the exact ray comes within 10 u of is missed or entered too late, and none is found that it passes at more
+// than twice the padding. Rays along the axes, with zeros of either sign, find exactly the boxes that they meet.
 void check_boxes(const Session& session, Group& group) {
-  if (session.device.bvh_width == 4) check_width<4>(session, group);
-  else check_width<8>(session, group);
+  if (session.device.bvh_width == 4)
+    check_width<4>(session, group);
+  else
+    check_width<8>(session, group);
 }
 
 }  // namespace oclair::selftest

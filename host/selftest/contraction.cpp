@@ -20,8 +20,8 @@ float product(float x, float y) { return static_cast<float>(static_cast<double>(
 
 }  // namespace
 
-// In every expression of the kernels products are rounded before they are added; only fma() is fused, and it is. Kahan's difference of
-// products, which rests on both, errs by at most 1.5 ulp (Jeannerod, Louvet, Muller 2013).
+// In every expression of the kernels products are rounded before they are added; only fma() is fused, and it is. Kahan's
+// difference of products, which rests on both, errs by at most 1.5 ulp (Jeannerod, Louvet, Muller 2013).
 void check_contraction(const Session& session, Group& group) {
   const std::vector<cl_float4> xyzw = factors();
   std::vector<cl_float4> result(xyzw.size());

@@ -17,8 +17,9 @@ std::vector<cl_float2> pairs() {
 }
 
 uint comparisons(float x, float y) {
-  return static_cast<uint>(x < y) | static_cast<uint>(x <= y) << 1 | static_cast<uint>(x == y) << 2 | static_cast<uint>(x != y) << 3 |
-         static_cast<uint>(x > y) << 4 | static_cast<uint>(x >= y) << 5 | static_cast<uint>(!(x > y)) << 6 | static_cast<uint>(std::isnan(x)) << 7;
+  return static_cast<uint>(x < y) | static_cast<uint>(x <= y) << 1 | static_cast<uint>(x == y) << 2 |
+         static_cast<uint>(x != y) << 3 | static_cast<uint>(x > y) << 4 | static_cast<uint>(x >= y) << 5 |
+         static_cast<uint>(!(x > y)) << 6 | static_cast<uint>(std::isnan(x)) << 7;
 }
 
 // The same, or both NaN; of what is finite 3 ulp, for devices that divide as OpenCL allows.
@@ -42,7 +43,8 @@ void check_exceptions(const Session& session, Group& group) {
     const float x = xy[i].s[0], y = xy[i].s[1];
     const auto& r = result[i].s;
     comparisons_wrong += compared[i] != comparisons(x, y);
-    results_wrong += !agree(r[0], x + y) || !agree(r[1], x - y) || !agree(r[2], x * y) || !agree(r[3], x / y) || !agree(r[4], std::sqrt(x));
+    results_wrong += !agree(r[0], x + y) || !agree(r[1], x - y) || !agree(r[2], x * y) || !agree(r[3], x / y) ||
+                     !agree(r[4], std::sqrt(x));
     extremes_wrong += !agree(r[5], std::fmin(x, y)) || !agree(r[6], std::fmax(x, y));
     guards_wrong += (accepted[i] != 0) != acceptable(x, 0);
   }

@@ -34,7 +34,8 @@ struct Film {
   std::vector<FilmErrors> errors;
 };
 
-bool right(const FilmPixel& pixel, const FilmMoments& moments, const FilmErrors& errors, const packed_float3* samples, int exponent) {
+bool right(const FilmPixel& pixel, const FilmMoments& moments, const FilmErrors& errors, const packed_float3* samples,
+           int exponent) {
   const Sums all = expected_sums(samples, per_pixel, exponent);
   if (pixel.rejected != all.rejected || pixel.hits != all.hits) return false;
   std::array<Wide, 3> square{};
@@ -63,15 +64,16 @@ bool untouched(const T& value, int byte) {
 
 }  // namespace
 
-// The sums of samples, of their products and of the squares of replicas are the integers that the same samples have on the host; every
-// other pixel is nobody's, and stays as it was.
+// The sums of samples, of their products and of the squares of replicas are the integers that the same samples have on the
+// host; every other pixel is nobody's, and stays as it was.
 void check_film(const Session& session, Group& group) {
   Random random(5);
   std::size_t wrong = 0, touched = 0, rejected = 0;
   const int exponents[] = {0, -40, 60};
   for (const int exponent : exponents) {
     std::vector<packed_float3> samples(pixels * per_pixel);
-    for (packed_float3& s : samples) s.x = sample_value(random, exponent), s.y = sample_value(random, exponent), s.z = sample_value(random, exponent);
+    for (packed_float3& s : samples)
+      s.x = sample_value(random, exponent), s.y = sample_value(random, exponent), s.z = sample_value(random, exponent);
     add_bad(samples, random);
     Film film{std::vector<FilmPixel>(2 * pixels), std::vector<FilmMoments>(2 * pixels), std::vector<FilmErrors>(2 * pixels)};
     for (std::size_t i = 1; i < 2 * pixels; i += 2) {
@@ -79,13 +81,14 @@ void check_film(const Session& session, Group& group) {
       std::memset(&film.moments[i], 0x22, sizeof(FilmMoments));
       std::memset(&film.errors[i], 0x33, sizeof(FilmErrors));
     }
-    run(session, "film_samples", pixels, samples, static_cast<cl_uint>(per_pixel), static_cast<cl_int>(exponent), out(film.pixels),
-        out(film.moments), out(film.errors));
+    run(session, "film_samples", pixels, samples, static_cast<cl_uint>(per_pixel), static_cast<cl_int>(exponent),
+        out(film.pixels), out(film.moments), out(film.errors));
     for (std::size_t i = 0; i < pixels; ++i) {
       const FilmPixel& pixel = film.pixels[2 * i];
       wrong += !right(pixel, film.moments[2 * i], film.errors[2 * i], &samples[i * per_pixel], exponent);
       rejected += pixel.rejected;
-      touched += !untouched(film.pixels[2 * i + 1], 0x11) || !untouched(film.moments[2 * i + 1], 0x22) || !untouched(film.errors[2 * i + 1], 0x33);
+      touched += !untouched(film.pixels[2 * i + 1], 0x11) || !untouched(film.moments[2 * i + 1], 0x22) ||
+                 !untouched(film.errors[2 * i + 1], 0x33);
     }
   }
   group.measure("samples", static_cast<double>(std::size(exponents) * pixels * per_pixel));

@@ -10,7 +10,8 @@ struct Rows {
   Exact true_eta(std::size_t i) const { return front[i] ? Exact(eta[i]) : 1 / Exact(eta[i]); }
 };
 
-// Air, almost air, water, glass, diamond and an absurd index, from both sides: cosines on a grid, down to 1e-20, and beside 1.
+// Air, almost air, water, glass, diamond and an absurd index, from both sides: cosines on a grid, down to 1e-20, and
+// beside 1.
 Rows rows() {
   Rows list;
   for (const float eta : {1.0f, 1.000001f, 1.0001f, 1.33f, 1.5f, 2.42f, 1e3f})
@@ -28,8 +29,8 @@ Rows rows() {
   return list;
 }
 
-// How far the result is from what the formula gives between cosines 4 u below and above the given one: near the critical angle no code in
-// float has a small error for the cosine itself.
+// How far the result is from what the formula gives between cosines 4 u below and above the given one: near the critical
+// angle no code in float has a small error for the cosine itself.
 double distance(Exact formula(Exact, Exact), Exact cosine, Exact eta, Exact result) {
   if (std::isnan(result)) return std::numeric_limits<double>::quiet_NaN();
   const auto [least, most] = std::minmax({formula(cosine * (1 - 4 * Exact(unit_roundoff)), eta), formula(cosine, eta),
@@ -39,8 +40,8 @@ double distance(Exact formula(Exact, Exact), Exact cosine, Exact eta, Exact resu
 
 }  // namespace
 
-// Both within 1e-6 of Fresnel's equations in long double, some 16 roundings of quantities of order 1, the transmittance of itself; the
-// refracted direction has unit length, and its sine obeys Snell's law to the rounding of its own components.
+// Both within 1e-6 of Fresnel's equations in long double, some 16 roundings of quantities of order 1, the transmittance of
+// itself; the refracted direction has unit length, and its sine obeys Snell's law to the rounding of its own components.
 void check_fresnel(const Session& session, Group& group) {
   const Rows list = rows();
   const std::size_t count = list.cosine.size();
@@ -54,10 +55,13 @@ void check_fresnel(const Session& session, Group& group) {
     const Exact cosine = list.cosine[i], eta = list.true_eta(i);
     larger(reflectance, distance(exact_reflectance, cosine, eta, result[i].s[0]));
     const Exact through = exact_transmittance(cosine, eta);
-    if (through > 0) larger(transmittance, distance(exact_transmittance, cosine, eta, result[i].s[1]) / static_cast<double>(through));
-    else larger(transmittance, result[i].s[1]);
+    if (through > 0)
+      larger(transmittance, distance(exact_transmittance, cosine, eta, result[i].s[1]) / static_cast<double>(through));
+    else
+      larger(transmittance, result[i].s[1]);
     larger(lost, std::abs(static_cast<double>(result[i].s[0]) + result[i].s[1] - 1.0));
-    if (!(result[i].s[1] > 0.0f) || eta > 3) continue;  // Snell's law to u eta: the lengths of absurd indices are not asked for
+    if (!(result[i].s[1] > 0.0f) || eta > 3)
+      continue;  // Snell's law to u eta: the lengths of absurd indices are not asked for
     const auto& d = refracted[i].s;
     larger(length, std::abs(std::hypot(d[0], d[1], d[2]) - 1.0));
     larger(snell, std::abs(-static_cast<double>(eta) * d[0] - d[3]) / std::max(1.0, static_cast<double>(eta)));

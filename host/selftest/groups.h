@@ -26,15 +26,16 @@ void run(const Session& session, const char* name, std::size_t count, const Argu
   launch(session.device, session.program, name, count, arguments...);
 }
 
-// By how much a bound grows that was derived for division and square roots rounded to half an ulp, where the device promises no more
-// than OpenCL asks for: 2.5 and 3 ulp.
+// By how much a bound grows that was derived for division and square roots rounded to half an ulp, where the device promises
+// no more than OpenCL asks for: 2.5 and 3 ulp.
 inline double slack(const Session& session) { return rounds_correctly(session.device) ? 1.0 : 6.0; }
 
 inline constexpr std::size_t many = 64000;  // inputs of a launch
 
 using Check = void(const Session&, Group&);
 
-Check check_layout, check_contraction, check_accuracy, check_denormals, check_exceptions, check_integers, check_film, check_sampler,
-    check_warps, check_mis, check_fresnel, check_textures, check_boxes, check_triangles, check_surfaces, check_render;
+Check check_layout, check_contraction, check_accuracy, check_denormals, check_exceptions, check_integers, check_film,
+    check_sampler, check_warps, check_mis, check_fresnel, check_textures, check_boxes, check_triangles, check_surfaces,
+    check_render;
 
 }  // namespace oclair::selftest

@@ -24,8 +24,9 @@ std::size_t wrong_integers(const Session& session, Random& random) {
   for (std::size_t i = 0; i < xy.size(); ++i) {
     const ulong x = xy[i].s[0], y = xy[i].s[1], low = x & 0xffffffffu, low_product = low * (y & 0xffffffffu);
     const Uint128 product = static_cast<Uint128>(x) * y, sum = static_cast<Uint128>(x) + y + (x & 1);
-    const ulong expected[8] = {static_cast<ulong>(product), static_cast<ulong>(product >> 64), static_cast<ulong>(sum), static_cast<ulong>(sum >> 64),
-                               x << (y & 63), x >> (y & 63), low_product & 0xffffffffu, low_product >> 32};
+    const ulong expected[8] = {static_cast<ulong>(product), static_cast<ulong>(product >> 64), static_cast<ulong>(sum),
+                               static_cast<ulong>(sum >> 64), x << (y & 63), x >> (y & 63), low_product & 0xffffffffu,
+                               low_product >> 32};
     wrong += !std::equal(expected, expected + 8, result[i].s);
   }
   return wrong;
@@ -33,7 +34,7 @@ std::size_t wrong_integers(const Session& session, Random& random) {
 
 std::size_t wrong_conversions(const Session& session, Random& random) {
   std::vector<float> x{0.0f, -0.0f, 0.5f, -0.5f, 1.5f, 2.5f, -2.5f, 0x1p31f, -0x1p31f, 0x1.fffffep30f, 1e30f, -1e30f,
-                       std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+      std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
   while (x.size() < many) x.push_back(static_cast<float>(random.signed_log_between(1e-3, 1e12)));
   std::vector<cl_uint> n(x.size());
   for (cl_uint& bits : n) bits = static_cast<cl_uint>(random.engine());
@@ -43,7 +44,8 @@ std::size_t wrong_conversions(const Session& session, Random& random) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double toward_zero = std::clamp(std::trunc(static_cast<double>(x[i])), -0x1p31, 0x1p31 - 1.0);
-    const float floats[4] = {std::floor(x[i]), std::nearbyint(x[i]), static_cast<float>(n[i] >> 8), static_cast<float>(static_cast<cl_int>(n[i]))};
+    const float floats[4] = {std::floor(x[i]), std::nearbyint(x[i]), static_cast<float>(n[i] >> 8),
+                             static_cast<float>(static_cast<cl_int>(n[i]))};
     wrong += saturated[i] != toward_zero || !std::equal(floats, floats + 4, result[i].s);
   }
   return wrong;
@@ -51,7 +53,8 @@ std::size_t wrong_conversions(const Session& session, Random& random) {
 
 }  // namespace
 
-// Integers of 64 bits, whose products and carries the film's sums and the random numbers are made of, and the ways between integers and floats.
+// Integers of 64 bits, whose products and carries the film's sums and the random numbers are made of, and the ways between
+// integers and floats.
 void check_integers(const Session& session, Group& group) {
   Random random(4);
   group.bound("wrong of 57600 pairs of 64-bit integers", static_cast<double>(wrong_integers(session, random)), 0);

@@ -37,7 +37,8 @@ std::vector<T>& content(const Out<T>& values) {
 }
 
 template <class Argument>
-void bind(const Device& device, cl::Kernel& kernel, cl_uint index, std::vector<cl::Buffer>& buffers, const Argument& argument) {
+void bind(const Device& device, cl::Kernel& kernel, cl_uint index, std::vector<cl::Buffer>& buffers,
+          const Argument& argument) {
   if constexpr (Buffered<Argument>::value) {
     const auto& values = content(argument);
     const std::size_t bytes = values.size() * sizeof(values[0]);
@@ -60,22 +61,23 @@ void fetch(const Device& device, const cl::Buffer*& buffer, const Out<T>& out) {
   ++buffer;
 }
 template <class Scalar>
-  requires(!Buffered<Scalar>::value)
-void fetch(const Device&, const cl::Buffer*&, const Scalar&) {}
+requires(!Buffered<Scalar>::value) void fetch(const Device&, const cl::Buffer*&, const Scalar&) {}
 }  // namespace detail
 
-// Runs `count` work items of the kernel. Arguments in the kernel's order: std::vector is read, out(vector) is read and written
-// back, anything else is passed by value. The number of work items is padded to whole groups: kernels take `count` as their first
-// argument and return beyond it.
+// Runs `count` work items of the kernel. Arguments in the kernel's order: std::vector is read, out(vector) is read and
+// written back, anything else is passed by value. The number of work items is padded to whole groups: kernels take `count`
+// as their first argument and return beyond it.
 template <class... Arguments>
-void launch(const Device& device, const cl::Program& program, const char* name, std::size_t count, const Arguments&... arguments) {
+void launch(const Device& device, const cl::Program& program, const char* name, std::size_t count,
+            const Arguments&... arguments) {
   cl::Kernel kernel(program, name);
   std::vector<cl::Buffer> buffers;
   kernel.setArg(0, static_cast<cl_uint>(count));
   cl_uint index = 1;
   (detail::bind(device, kernel, index++, buffers, arguments), ...);
   const std::size_t groups = (count + WORK_GROUP_SIZE - 1) / WORK_GROUP_SIZE;
-  device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * WORK_GROUP_SIZE), cl::NDRange(WORK_GROUP_SIZE));
+  device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * WORK_GROUP_SIZE),
+                                    cl::NDRange(WORK_GROUP_SIZE));
   device.queue.finish();
   const cl::Buffer* buffer = buffers.data();
   (detail::fetch(device, buffer, arguments), ...);

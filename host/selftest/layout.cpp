@@ -15,7 +15,7 @@ std::vector<Place> layout_of_width() {
   using TriangleBlock = oclair::TriangleBlock<WIDTH>;
   std::vector<Place> places;
 #define STRUCT_PLACE(type_name) places.push_back({#type_name, "", 0, static_cast<uint>(sizeof(type_name))});
-#define MEMBER_PLACE(type_name, member_name)                                                         \
+#define MEMBER_PLACE(type_name, member_name)                                                       \
   places.push_back({#type_name, #member_name, static_cast<uint>(offsetof(type_name, member_name)), \
                     static_cast<uint>(sizeof(type_name::member_name))});
   LAYOUT_LIST(STRUCT_PLACE, MEMBER_PLACE)

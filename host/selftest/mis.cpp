@@ -27,8 +27,9 @@ long double power_heuristic(float a, float b) {
 
 }  // namespace
 
-// With r = b/a (u), r^2 (3 u), 1 + r^2 ((1 + 3/2) u since r <= 1) and the last division a weight errs by 8 u of itself at most, but may
-// vanish where it is denormal; two that share the ratio sum to 1 within the rounding of the last division of each.
+// With r = b/a (u), r^2 (3 u), 1 + r^2 ((1 + 3/2) u since r <= 1) and the last division a weight errs by 8 u of itself at
+// most, but may vanish where it is denormal; two that share the ratio sum to 1 within the rounding of the last division of
+// each.
 void check_mis(const Session& session, Group& group) {
   const std::vector<float> list = densities();
   std::vector<cl_float2> pairs;

@@ -36,8 +36,8 @@ Drawn draw(const Session& session, SamplerKind kind, ulong seed, const Places& p
   settings.sampler = kind;
   settings.seed = seed;
   Drawn drawn{std::vector<cl_ulong>(places.pixel.size()), std::vector<cl_float2>(places.pixel.size())};
-  run(session, "draw", places.pixel.size(), std::vector<Settings>{settings}, places.pixel, places.sample, places.dimension, out(drawn.bits),
-      out(drawn.point));
+  run(session, "draw", places.pixel.size(), std::vector<Settings>{settings}, places.pixel, places.sample, places.dimension,
+      out(drawn.bits), out(drawn.point));
   return drawn;
 }
 
@@ -68,7 +68,8 @@ void check_independent(const Session& session, Group& group) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < many; ++i) {
     const ulong exact = independent_bits(seed, places.pixel[i], places.sample[i], places.dimension[i]);
-    wrong += drawn.bits[i] != exact || drawn.point[i].s[0] != unit(exact >> 32) || drawn.point[i].s[1] != unit(exact & 0xffffffffu);
+    wrong += drawn.bits[i] != exact || drawn.point[i].s[0] != unit(exact >> 32) ||
+             drawn.point[i].s[1] != unit(exact & 0xffffffffu);
   }
   group.bound("independent numbers wrong", static_cast<double>(wrong), 0);
 }
@@ -93,7 +94,8 @@ void check_nets(const Session& session, Group& group) {
     for (int across = 0; across <= REPLICA_BITS; ++across) {
       std::set<std::pair<int, int>> cells;
       for (std::size_t i = first; i < first + REPLICA_SAMPLES; ++i)
-        cells.emplace(static_cast<int>(std::ldexp(drawn.point[i].s[0], across)), static_cast<int>(std::ldexp(drawn.point[i].s[1], REPLICA_BITS - across)));
+        cells.emplace(static_cast<int>(std::ldexp(drawn.point[i].s[0], across)),
+                      static_cast<int>(std::ldexp(drawn.point[i].s[1], REPLICA_BITS - across)));
       broken += cells.size() != REPLICA_SAMPLES;
     }
   group.measure("nets", nets);

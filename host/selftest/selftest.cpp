@@ -17,10 +17,12 @@ struct Entry {
 
 // From what everything rests on to what rests on everything.
 constexpr Entry entries[] = {
-    {"layout", check_layout},         {"contraction", check_contraction}, {"accuracy", check_accuracy}, {"denormals", check_denormals},
-    {"exceptions", check_exceptions}, {"integers", check_integers},       {"film", check_film},         {"sampler", check_sampler},
-    {"warps", check_warps},           {"mis", check_mis},                 {"fresnel", check_fresnel},   {"textures", check_textures},
-    {"boxes", check_boxes},           {"triangles", check_triangles},     {"surfaces", check_surfaces}, {"render", check_render},
+    {"layout", check_layout},       {"contraction", check_contraction}, {"accuracy", check_accuracy},
+    {"denormals", check_denormals}, {"exceptions", check_exceptions},   {"integers", check_integers},
+    {"film", check_film},           {"sampler", check_sampler},         {"warps", check_warps},
+    {"mis", check_mis},             {"fresnel", check_fresnel},         {"textures", check_textures},
+    {"boxes", check_boxes},         {"triangles", check_triangles},     {"surfaces", check_surfaces},
+    {"render", check_render},
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -42,8 +44,10 @@ std::string text_of(const Figure& figure) {
 
 nlohmann::ordered_json json_of(const Figure& figure) {
   nlohmann::ordered_json entry{{"name", figure.name}};
-  if (const auto* words = std::get_if<std::string>(&figure.value)) entry["value"] = *words;
-  else entry["value"] = std::get<double>(figure.value);  // null if it is not finite
+  if (const auto* words = std::get_if<std::string>(&figure.value))
+    entry["value"] = *words;
+  else
+    entry["value"] = std::get<double>(figure.value);  // null if it is not finite
   if (figure.most) {
     entry["most"] = *figure.most;
     entry["passed"] = figure.passed();
@@ -77,8 +81,11 @@ bool Report::passed() const {
 }
 
 std::string Report::json() const {
-  nlohmann::ordered_json document{
-      {"program", "oclair " OCLAIR_VERSION}, {"device", device}, {"passed", passed()}, {"seconds", seconds}, {"groups", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json document{{"program", "oclair " OCLAIR_VERSION},
+                                  {"device", device},
+                                  {"passed", passed()},
+                                  {"seconds", seconds},
+                                  {"groups", nlohmann::ordered_json::array()}};
   for (const Group& group : groups) {
     nlohmann::ordered_json entry{{"name", group.name}, {"passed", group.passed()}, {"seconds", group.seconds}};
     if (!group.error.empty()) entry["error"] = group.error;
@@ -86,7 +93,8 @@ std::string Report::json() const {
     for (const Figure& figure : group.figures) entry["figures"].push_back(json_of(figure));
     document["groups"].push_back(std::move(entry));
   }
-  return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // drivers' names may be in any encoding
+  return document.dump(2, ' ', false,
+                       nlohmann::ordered_json::error_handler_t::replace);  // drivers' names may be in any encoding
 }
 
 Report run_selftest(const Device& device, const std::function<void(const Group&)>& done, const std::string& only) {

@@ -1,4 +1,5 @@
-// What `oclair selftest` does: asks a device for the arithmetic that the renderer rests on, and judges the answers by oracles of the host.
+// What `oclair selftest` does: asks a device for the arithmetic that the renderer rests on, and judges the answers by
+// oracles of the host.
 #pragma once
 
 #include <functional>
@@ -46,7 +47,8 @@ struct Report {
   std::string json() const;
 };
 
-// Runs every group, or only one, and tells of each when it is done. Throws Error(Exit::device) if the kernels do not compile.
+// Runs every group, or only one, and tells of each when it is done. Throws Error(Exit::device) if the kernels do not
+// compile.
 Report run_selftest(const Device& device, const std::function<void(const Group&)>& done = {}, const std::string& only = {});
 
 }  // namespace oclair::selftest

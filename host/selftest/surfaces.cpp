@@ -22,7 +22,8 @@ Scene placed(const Mesh& mesh) {
 std::vector<Scene> closed_rooms() {
   Mesh cube, turned;
   add_box(cube, {-1, -1, -1}, {1, 1, 1}, true);
-  const glm::dmat3 turn(glm::normalize(glm::dvec3(1, 2, 3)), glm::normalize(glm::dvec3(-2, 1, 0)), glm::normalize(glm::dvec3(-3, -6, 5)));
+  const glm::dmat3 turn(glm::normalize(glm::dvec3(1, 2, 3)), glm::normalize(glm::dvec3(-2, 1, 0)),
+                        glm::normalize(glm::dvec3(-3, -6, 5)));
   add_box(turned, {-1, -0.8, -0.9}, {1, 0.8, 0.9}, true);
   for (glm::dvec3& p : turned.positions) p = turn * p;
   WorldShape sphere;
@@ -69,9 +70,11 @@ void walk_rooms(const Session& session, Group& group) {
   for (const Scene& scene : closed_rooms()) {
     const Bvh bvh = build_bvh(scene, session.device.bvh_width);
     std::vector<Ray> start;
-    for (std::size_t i = 0; i < paths; ++i) start.push_back({packed(random.in_cube(0.05)), 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
+    for (std::size_t i = 0; i < paths; ++i)
+      start.push_back({packed(random.in_cube(0.05)), 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
     std::vector<cl_uint> survived(paths);
-    run(session, "walk", paths, bvh.nodes, bvh.blocks, scene.quadrics, scene.shapes, scene.triangle_shape, start, bounces, out(survived));
+    run(session, "walk", paths, bvh.nodes, bvh.blocks, scene.quadrics, scene.shapes, scene.triangle_shape, start, bounces,
+        out(survived));
     for (const cl_uint n : survived) {
       left += n != bounces;
       walked += n;
@@ -83,8 +86,9 @@ void walk_rooms(const Session& session, Group& group) {
 
 }  // namespace
 
-// A ray that leaves a triangle does not hit it again, even where nothing leaves the triangle out; and it starts no further off than 8 u in each
-// axis, the bound of a point's error in [-1, 1]^3, and 1 u of rounding. Paths of diffuse bounces in closed rooms stay there.
+// A ray that leaves a triangle does not hit it again, even where nothing leaves the triangle out; and it starts no further
+// off than 8 u in each axis, the bound of a point's error in [-1, 1]^3, and 1 u of rounding. Paths of diffuse bounces in
+// closed rooms stay there.
 void check_surfaces(const Session& session, Group& group) {
   leave_triangles(session, group);
   walk_rooms(session, group);

@@ -5,7 +5,8 @@ namespace {
 
 // Every pair of 0, the smallest, the middle and the largest random number, and their neighbours; then random ones.
 std::vector<cl_float2> squares() {
-  const float edges[] = {0.0f, 0x1p-24f, 0x1p-23f, 0.25f, 0.5f - 0x1p-24f, 0.5f, 0.5f + 0x1p-24f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
+  const float edges[] = {0.0f, 0x1p-24f,        0x1p-23f, 0.25f,        0.5f - 0x1p-24f,
+                         0.5f, 0.5f + 0x1p-24f, 0.75f,    1 - 0x1p-23f, 1 - 0x1p-24f};
   std::vector<cl_float2> list;
   for (const float x : edges)
     for (const float y : edges) list.push_back({{x, y}});
@@ -21,10 +22,10 @@ double length(const cl_float4& v) { return std::hypot(v.s[0], v.s[1], v.s[2]); }
 
 }  // namespace
 
-// With r and its quarter turn exact, the sine 6.28 r (1 - ...) errs by u in its last product, u in the last fma, u/2 in its first coefficient and
-// u/4 in the rest, of 0.71 at most: 1.9 u; the cosine, 1 - 19.7 r^2 (1 - ...), by 1.3 u; the polynomials by 3.2e-9: below 2 u + 4e-9. A
-// direction adds the rounding of two roots and of two products: below 5 u. The cosine of the hemisphere is the root of an exact
-// difference: half an ulp, and never 0.
+// With r and its quarter turn exact, the sine 6.28 r (1 - ...) errs by u in its last product, u in the last fma, u/2 in its
+// first coefficient and u/4 in the rest, of 0.71 at most: 1.9 u; the cosine, 1 - 19.7 r^2 (1 - ...), by 1.3 u; the
+// polynomials by 3.2e-9: below 2 u + 4e-9. A direction adds the rounding of two roots and of two products: below 5 u. The
+// cosine of the hemisphere is the root of an exact difference: half an ulp, and never 0.
 void check_warps(const Session& session, Group& group) {
   const std::vector<cl_float2> u = squares();
   std::vector<cl_float2> circle(u.size()), triangle(u.size());

@@ -14,8 +14,8 @@ struct SelftestOptions {
   std::optional<std::string> json;  // a file, or - for standard output
 };
 
-void write_json(const std::string& file, const std::string& json, std::ios::openmode mode) {
-  std::ofstream stream(file, mode);
+void write_json(const std::string& file, const std::string& json) {
+  std::ofstream stream(file);
   stream << json;
   if (!stream.flush())
     throw Error(Exit::render_failed, file + ": cannot be written, expected a file in a writable directory");
@@ -32,13 +32,13 @@ Exit run(const SelftestOptions& options) {
   const bool json_only = options.json == "-", json_file = options.json && !json_only;
   std::ostream& lines = json_only ? std::cerr : std::cout;
   const Device device = open_device(options.device);
-  if (json_file) write_json(*options.json, "", std::ios::app);  // a name that cannot be written fails now
+  if (json_file) write_json(*options.json, "");  // one that cannot be written fails now
   std::cerr << "compiling the self-test for " << device.name << " ..." << std::endl;
   lines << describe(device.device) << std::endl;
   const selftest::Report report =
       selftest::run_selftest(device, [&](const selftest::Group& group) { lines << line_of(group) << std::endl; });
   if (json_only) std::cout << report.json() << "\n";
-  if (json_file) write_json(*options.json, report.json() + "\n", std::ios::trunc);
+  if (json_file) write_json(*options.json, report.json() + "\n");
   lines << verdict(report) << ", in " << static_cast<int>(report.seconds + 0.5) << " s" << std::endl;
   return report.passed() ? Exit::success : Exit::check_failed;
 }

@@ -88,7 +88,7 @@ std::vector<Layer> render_aovs(const Renderer& renderer, const Scene& scene, con
   const Device& device = *renderer.device;
   AllChannels channels(wanted, std::size_t{renderer.settings.crop_width} * renderer.settings.crop_height);
   try {
-    cl::Kernel kernel(build_program(device, kernel_directory() / "aov.cl", aov_options(scene, bvh, wanted)), "aov");
+    cl::Kernel kernel(build_program(device, device.kernels / "aov.cl", aov_options(scene, bvh, wanted)), "aov");
     const std::size_t count = padded_pixels(renderer.settings);
     std::vector<AovPixel> pixels(std::min(max_launch, count));
     const cl::Buffer buffer(device.context, CL_MEM_READ_WRITE, pixels.size() * sizeof(AovPixel));

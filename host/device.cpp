@@ -117,7 +117,9 @@ Device open_device(const std::string& selector) {
             cl::CommandQueue(context, device),
             trimmed(device.getInfo<CL_DEVICE_NAME>()),
             platform_name(device) + ", " + trimmed(device.getInfo<CL_DEVICE_VERSION>()),
-            is_cpu(device) ? 8 : 4};
+            is_cpu(device) ? 8 : 4,
+            kernel_directory(),
+            {}};
   } catch (const cl::Error& error) {
     throw Error(Exit::device, describe(device) + ": cannot be opened: " + error.what() + " returned " +
                                   std::to_string(error.err()) + "; expected a working OpenCL driver");
@@ -143,18 +145,18 @@ std::filesystem::path kernel_directory() {
 }
 
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options) {
-  const std::filesystem::path directory = kernel_directory();
   std::ostringstream flags;
   flags << "-cl-std=CL1.2 -DFEATURES=" << options.features << "ul -DAPPROXIMATIONS=" << options.approximations << "ul -DBVH_WIDTH=" << options.bvh_width
         << " -DSTACK_SIZE=" << options.stack_size;
   if (device.device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     flags << " -cl-fp32-correctly-rounded-divide-sqrt";
+  if (!device.flags.empty()) flags << " " << device.flags;
 
   // Versions of PoCL return a stale cached kernel when only an option or an included file changed (its issue 608), so the
   // text itself says what it is compiled with and from. Included files find each other beside themselves: with no -I, a blank
   // in the path, which no option can hold, does no harm.
   std::ostringstream text;
-  text << "// " << std::hex << hash(flags.str() + read_text(source), hash_of_headers(directory)) << "\n#include \""
+  text << "// " << std::hex << hash(flags.str() + read_text(source), hash_of_headers(device.kernels)) << "\n#include \""
        << std::filesystem::absolute(source).string() << "\"\n";
   try {
     cl::Program program(device.context, text.str());

@@ -19,6 +19,8 @@ struct Device {
   std::string name;      // of the device, as its driver says
   std::string platform;  // and the driver's platform with its version
   int bvh_width;         // children of a BVH node that suit it: 8 on CPUs, 4 elsewhere
+  std::filesystem::path kernels;  // directory of the .cl files; kernel_directory() but where a test plants a fault in them
+  std::string flags;              // for the compiler beside those of build_program; likewise none but a test's
 };
 
 // Every device of every platform, in the order of `oclair devices`: its indices.
@@ -39,8 +41,7 @@ struct KernelOptions {
   Approximations approximations = 0;  // that the user asked for
 };
 
-// Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is
-// ever given. Throws Error(Exit::device) with the compiler's first message.
+// Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is given. Throws Error(Exit::device) with the compiler's first message.
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options);
 
 // "NAME: clFunction returned -5", as Exit::device.

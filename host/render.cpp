@@ -139,7 +139,7 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, 
                       {zeroed(device, film.film), zeroed(device, film.moments), zeroed(device, film.errors)},
                       zeroed(device, max_launch * sizeof(cl_ulong)), {}};
     if (film.bands > 1) allocate(renderer, renderer.on_host);
-    renderer.kernel = cl::Kernel(build_program(device, kernel_directory() / "path.cl", kernel_options(scene, bvh)), "render");
+    renderer.kernel = cl::Kernel(build_program(device, device.kernels / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film.pixels);
     renderer.kernel.setArg(next + 1, renderer.film.moments);

@@ -1,39 +1,18 @@
 // Host and device must agree on every byte of what crosses the border.
-#include <cstddef>
 #include <fstream>
 #include <regex>
 #include <sstream>
 
 #include "kernel.h"
-#include "layout_members.h"
+#include "layout.h"
 
 using namespace oclair::test;
 
 namespace {
 
-struct Place {
-  std::string type, member;  // no member: the struct itself
-  cl_uint offset, size;
-};
-
-template <int width>
-std::vector<Place> host_layout() {
-  using namespace oclair;
-  using BvhNode = oclair::BvhNode<width>;
-  using TriangleBlock = oclair::TriangleBlock<width>;
-  std::vector<Place> places;
-#define STRUCT_PLACE(type_name) places.push_back({#type_name, "", 0, static_cast<cl_uint>(sizeof(type_name))});
-#define MEMBER_PLACE(type_name, member_name)                                                         \
-  places.push_back({#type_name, #member_name, static_cast<cl_uint>(offsetof(type_name, member_name)), \
-                    static_cast<cl_uint>(sizeof(type_name::member_name))});
-  LAYOUT_LIST(STRUCT_PLACE, MEMBER_PLACE)
-  return places;
-}
-
-template <int width>
-void compare() {
-  const std::vector<Place> host = host_layout<width>();
-  std::vector<cl_uint> numbers(2 * host.size());
+void compare(int width) {
+  const std::vector<Place> host = host_layout(width);
+  std::vector<cl_uint> numbers(layout_numbers(host).size());
   run_with({every_feature, width}, "layout_test.cl", "layout", 1, out(numbers));
   std::size_t n = 0;
   for (const Place& place : host) {
@@ -53,15 +32,15 @@ std::string contract() {
 
 }  // namespace
 
-TEST(layout_test, host_and_device_agree_for_nodes_of_four) { compare<4>(); }
+TEST(layout_test, host_and_device_agree_for_nodes_of_four) { compare(4); }
 
-TEST(layout_test, host_and_device_agree_for_nodes_of_eight) { compare<8>(); }
+TEST(layout_test, host_and_device_agree_for_nodes_of_eight) { compare(8); }
 
 // So the list names every member, and no compiler has room to place one elsewhere.
 TEST(layout_test, members_fill_every_struct_without_a_gap) {
   cl_uint end = 0, size = 0;
   std::string type;
-  for (const Place& place : host_layout<8>()) {
+  for (const Place& place : host_layout(8)) {
     if (place.member.empty()) {
       EXPECT_EQ(end, size) << "at the end of " << type;
       type = place.type, size = place.size, end = 0;
@@ -78,7 +57,7 @@ TEST(layout_test, every_struct_of_the_contract_is_compared) {
   const std::string text = contract();
   const std::regex declaration("(?:typedef|OCLAIR_WIDE) struct (\\w+)");
   for (std::sregex_iterator i(text.begin(), text.end(), declaration), end; i != end; ++i) declared.push_back((*i)[1]);
-  for (const Place& place : host_layout<8>())
+  for (const Place& place : host_layout(8))
     if (place.member.empty()) compared.push_back(place.type);
   EXPECT_GE(declared.size(), 10u);
   EXPECT_EQ(declared, compared);

@@ -1,8 +1,6 @@
 #include "../cl/mirror.h"
-#include "../cl/rng.h"
 #include "../cl/surface.h"
 #include "../cl/traverse.h"
-#include "../cl/warp.h"
 
 typedef struct Result {
   packed_float3 position, error, geometric, shading;
@@ -23,47 +21,7 @@ __kernel void surfaces(uint count, __global const TriangleBlock *blocks, __globa
   results[i] = r;
 }
 
-// Rays that leave the surface at the hits in direction w: where they start, and whether they hit the very triangle again, which is not
-// left out here.
-__kernel void leave(uint count, __global const TriangleBlock *blocks, __global const Shape *shapes, __global const uint *triangle_shape,
-                    __global const Hit *hits, __global const packed_float3 *w, __global packed_float3 *offset, __global uint *again) {
-  size_t i = get_global_id(0);
-  if (i >= count) return;
-  Scene scene = {.blocks = blocks, .shapes = shapes, .triangle_shape = triangle_shape};
-  Surface s = surface_on_triangle(&scene, hits[i]);
-  float3 direction = unpack3(w[i]);
-  float3 origin = surface_offset(s.position, s.error, s.geometric, direction);
-  offset[i] = pack3(origin - s.position);
-  Ray ray = {pack3(origin), INFINITE_DISTANCE, w[i], NONE, NONE, 0.0f, 0};
-  Shear shear = shear_from_ray(&ray);
-  Lanes t, b1, b2;
-  uint mask = triangle_block_intersect(blocks + hits[i].slot / BVH_WIDTH, &shear, ray.t_max, true, &t, &b1, &b2);
-  again[i] = mask >> (hits[i].slot % BVH_WIDTH) & 1u;
-}
-
-// `bounces` diffuse bounces inside a closed scene; returns after how many the path got out, or `bounces`.
-__kernel void walk(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Quadric *quadrics,
-                   __global const Shape *shapes, __global const uint *triangle_shape, __global const Ray *start, uint bounces,
-                   __global uint *survived) {
-  size_t i = get_global_id(0);
-  if (i >= count) return;
-  Scene scene = {.nodes = nodes, .blocks = blocks, .quadrics = quadrics, .shapes = shapes, .triangle_shape = triangle_shape};
-  Ray ray = start[i];
-  ulong key = rng_key(1ul, (uint)i, 0ul);
-  uint n = 0;
-  for (; n < bounces; ++n) {
-    Hit hit = traverse_closest(&scene, &ray);
-    if (hit.primitive == NONE) break;
-    Surface s = surface_from_hit(&scene, &ray, hit);
-    float3 w = renormalize(frame_to_world(s.frame, warp_cosine_hemisphere(rng_point(rng_bits(key, n)))));
-    ray.origin = pack3(surface_offset(s.position, s.error, s.geometric, w));
-    ray.direction = pack3(w);
-    ray.skip = hit.primitive;
-  }
-  survived[i] = n;
-}
-
-// The same between mirrors: where the ray is after `bounces` of them. Its primitive is NONE if it got out.
+// Mirror reflections inside a closed scene: where the ray is after `bounces` of them. Its primitive is NONE if it got out.
 __kernel void reflect(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks,
                       __global const Quadric *quadrics, __global const Shape *shapes, __global const uint *triangle_shape,
                       uint bounces, __global Ray *rays) {

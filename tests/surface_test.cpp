@@ -1,5 +1,6 @@
 // Points, error bounds and normals of surfaces, and rays that leave them (extremes X9, X10, X16).
 #include "extremes.h"
+#include "leaving_rays.h"
 #include "trace.h"
 
 using namespace oclair;
@@ -19,41 +20,6 @@ std::vector<Result> surfaces(const Scene& scene, const Bvh& bvh, const std::vect
   return results;
 }
 
-// Where each triangle lies in the blocks.
-std::vector<uint> slots(const Scene& scene, const Bvh& bvh) {
-  std::vector<uint> slot(scene.triangles.size(), NONE);
-  const auto* blocks = reinterpret_cast<const TriangleBlock<8>*>(bvh.blocks.data());
-  for (std::size_t b = bvh.block_count; b-- > 0;)
-    for (uint lane = 8; lane-- > 0;) slot[blocks[b].primitive[lane]] = static_cast<uint>(8 * b + lane);
-  return slot;
-}
-
-// Hits at random places, vertices and edges of all triangles of the scene.
-std::vector<Hit> hits_everywhere(const Scene& scene, const Bvh& bvh, std::size_t count, Random& random) {
-  const std::vector<uint> slot = slots(scene, bvh);
-  std::vector<Hit> hits;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto triangle = static_cast<uint>(i % scene.triangles.size());
-    double b1 = random.unit(), b2 = random.unit();
-    if (b1 + b2 > 1) b1 = 1 - b1, b2 = 1 - b2;
-    if (i % 5 == 1) b1 = 0;
-    if (i % 5 == 2) b2 = 1 - b1;
-    if (i % 5 == 3) b1 *= 1e-6;
-    hits.push_back({1.0f, static_cast<float>(b1), std::min(static_cast<float>(b2), 1.0f - static_cast<float>(b1)), triangle, slot[triangle]});
-  }
-  return hits;
-}
-
-World triangles_in(const glm::dvec3& center, double scale, std::size_t count, Random& random) {
-  Mesh mesh;
-  for (std::size_t i = 0; i < count; ++i) {
-    const glm::dvec3 at = center + random.in_cube(scale);
-    const double size = scale * random.log_between(1e-3, 1.0);
-    add_triangle(mesh, at + random.in_cube(size), at + random.in_cube(size), at + random.in_cube(size));
-  }
-  return world_of(mesh);
-}
-
 // A diffuse walk of `bounces` bounces in the closed world, from its middle.
 void no_walk_leaves(const World& world, const std::string& what) {
   const Scene scene = place_scene(world);
@@ -64,7 +30,7 @@ void no_walk_leaves(const World& world, const std::string& what) {
   std::vector<Ray> start;
   for (std::size_t i = 0; i < paths; ++i) start.push_back({packed(random.in_cube(0.05)), 1e30f, packed(random.direction()), NONE, NONE, 0.0f, 0});
   std::vector<cl_uint> survived(paths);
-  run_with({scene.features, bvh.width, bvh.stack_size()}, "surface_test.cl", "walk", paths, bvh.nodes, bvh.blocks, scene.quadrics, scene.shapes,
+  run_with({scene.features, bvh.width, bvh.stack_size()}, "../cl/selftest.cl", "walk", paths, bvh.nodes, bvh.blocks, scene.quadrics, scene.shapes,
            scene.triangle_shape, start, bounces, out(survived));
   EXPECT_EQ(std::count(survived.begin(), survived.end(), bounces), static_cast<std::ptrdiff_t>(paths)) << what;
 }
@@ -75,7 +41,7 @@ void no_walk_leaves(const World& world, const std::string& what) {
 // rounding of b0 = 1 - b1 - b2 (1.5 u) moves it too, which is nobody's business.
 TEST(surface_test, the_error_bounds_how_far_the_point_is_off_the_triangle) {
   Random random(1);
-  const Scene scene = place_scene(triangles_in({0, 0, 0}, 1.0, count_or_small(20000, 20), random));
+  const Scene scene = place_scene(world_of(triangles_in({0, 0, 0}, 1.0, count_or_small(20000, 20), random)));
   const Bvh bvh = build_bvh(scene, 8);
   const std::vector<Hit> hits = hits_everywhere(scene, bvh, 5 * scene.triangles.size(), random);
   std::vector<Ray> rays;
@@ -104,21 +70,13 @@ TEST(surface_test, a_ray_that_leaves_a_triangle_does_not_hit_it_again_even_if_it
   double largest = 0.0;
   for (const double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6})
     for (const double distance : {0.0, 1e3, 1e5}) {
-      const Scene scene = place_scene(triangles_in(distance * glm::dvec3(1.0, -0.7, 0.3), scale, count_or_small(27000, 20), random));
+      const Scene scene = place_scene(world_of(triangles_in(distance * glm::dvec3(1.0, -0.7, 0.3), scale, count_or_small(27000, 20), random)));
       const Bvh bvh = build_bvh(scene, 8);
       const std::vector<Hit> hits = hits_everywhere(scene, bvh, scene.triangles.size(), random);
       std::vector<packed_float3> w, offset(hits.size());
-      for (std::size_t i = 0; i < hits.size(); ++i) {
-        glm::dvec3 direction = random.direction();
-        if (i % 4 == 0) {  // grazing, down to a cosine of 1e-4
-          const Corners c = corners_of(scene, hits[i].primitive);
-          const glm::dvec3 n = glm::normalize(glm::cross(unpacked(c[1]) - unpacked(c[0]), unpacked(c[2]) - unpacked(c[0])));
-          direction = glm::normalize(glm::normalize(glm::cross(n, direction)) + random.sign() * random.log_between(1e-4, 1.0) * n);
-        }
-        w.push_back(packed(direction));
-      }
+      for (std::size_t i = 0; i < hits.size(); ++i) w.push_back(packed(leaving_direction(scene, hits[i], i, random)));
       std::vector<cl_uint> again(hits.size());
-      run("surface_test.cl", "leave", hits.size(), bvh.blocks, scene.shapes, scene.triangle_shape, hits, w, out(offset), out(again));
+      run("../cl/selftest.cl", "leave", hits.size(), bvh.blocks, scene.shapes, scene.triangle_shape, hits, w, out(offset), out(again));
       again_total += static_cast<std::size_t>(std::count(again.begin(), again.end(), 1u));
       rays += hits.size();
       for (const packed_float3& o : offset) largest = std::max(largest, glm::length(unpacked(o)));

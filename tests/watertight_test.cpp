@@ -1,4 +1,5 @@
 // Rays from inside closed meshes, aimed at every vertex and at points of every edge: no ray may get out (extreme X6).
+#include "aimed_rays.h"
 #include "extremes.h"
 #include "trace.h"
 
@@ -7,63 +8,9 @@ using namespace oclair::test;
 
 namespace {
 
-// Surface of a cube of n x n squares a side, two triangles each, all coordinates dyadic.
-Mesh grid_cube(int n) {
-  Mesh mesh;
-  std::map<std::array<int, 3>, unsigned> known;
-  const auto vertex = [&](std::array<int, 3> p) {
-    const auto [at, fresh] = known.try_emplace(p, static_cast<unsigned>(mesh.positions.size()));
-    if (fresh) mesh.positions.push_back(glm::dvec3(p[0], p[1], p[2]) * (2.0 / n) - 1.0);
-    return at->second;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int side : {0, n})
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          const auto corner = [&](int a, int b) {
-            std::array<int, 3> p{};
-            p[axis] = side;
-            p[(axis + 1) % 3] = i + a;
-            p[(axis + 2) % 3] = j + b;
-            return vertex(p);
-          };
-          mesh.triangles.emplace_back(corner(0, 0), corner(1, 0), corner(1, 1));
-          mesh.triangles.emplace_back(corner(0, 0), corner(1, 1), corner(0, 1));
-        }
-  return mesh;
-}
-
 Mesh scaled(Mesh mesh, double scale) {
   for (glm::dvec3& p : mesh.positions) p *= scale;
   return mesh;
-}
-
-glm::dvec3 origin_inside(Random& random, std::size_t i) {
-  glm::dvec3 o = 0.2 * random.in_cube();                   // the meshes reach out to 0.44 at least
-  if (i % 4 == 1) o = glm::round(o * 16.0) / 16.0;      // dyadic: rays along axes and diagonals, exact zeros
-  if (i % 4 == 2) o = glm::dvec3(0.0);
-  if (i % 4 == 3) o = random.below(2) ? glm::dvec3(o.x, 0, 0) : glm::dvec3(o.x, o.y, -0.0);
-  return o;
-}
-
-// At every vertex from `repeat` origins, at ten points of every edge, and anywhere.
-std::vector<Ray> aimed_rays(const Scene& scene, std::size_t repeat, std::size_t random_count, Random& random) {
-  std::vector<Ray> rays;
-  for (const packed_float3& p : scene.positions)
-    for (std::size_t k = 0; k < repeat; ++k) rays.push_back(ray_towards(origin_inside(random, rays.size()), unpacked(p)));
-  for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
-    const Corners c = corners_of(scene, t);
-    for (int e = 0; e < 3; ++e)  // every edge from both its triangles
-      for (int k = 0; k < 5; ++k) {
-        const double s = k == 0 ? 0.5 : random.unit();
-        rays.push_back(ray_towards(origin_inside(random, rays.size()), (1.0 - s) * unpacked(c[e]) + s * unpacked(c[(e + 1) % 3])));
-      }
-  }
-  for (std::size_t i = 0; i < random_count; ++i) {
-    const glm::dvec3 o = origin_inside(random, i);
-    rays.push_back(ray_towards(o, o + random.direction()));
-  }
-  return rays;
 }
 
 void no_ray_leaves(const Mesh& mesh, std::size_t repeat, std::uint64_t seed) {

@@ -16,7 +16,7 @@ OurTraversal::OurTraversal(const Device& device, const Scene& scene, const Bvh& 
   check_memory(device, plan, {});
   scene_ = upload(device, plan);
   const cl::Program program =
-      build_program(device, kernel_directory() / "traversal.cl", {scene.features, bvh.width, bvh.stack_size(), 0});
+      build_program(device, device.kernels / "traversal.cl", {scene.features, bvh.width, bvh.stack_size(), 0});
   closest_ = cl::Kernel(program, "closest_of_rays");
   any_ = cl::Kernel(program, "any_of_rays");
 }

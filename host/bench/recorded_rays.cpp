@@ -30,7 +30,7 @@ bool has_light(const ShadowRay& shadow) {
 
 RecordedRays record_rays(const Device& device, const Scene& scene, const Bvh& bvh, std::uint64_t first, unsigned samples) {
   assert(!(scene.features & FEATURE_OPACITY));
-  Stages stages{device, build_program(device, kernel_directory() / "stages.cl", kernel_options(scene, bvh)),
+  Stages stages{device, build_program(device, device.kernels / "stages.cl", kernel_options(scene, bvh)),
                 upload(device, plan_buffers(scene, bvh))};
   const auto array = [&](std::size_t bytes) { return cl::Buffer(device.context, CL_MEM_READ_WRITE, max_launch * bytes); };
   const cl::Buffer paths = array(sizeof(PathState)), hits = array(sizeof(Hit)), shadows = array(sizeof(ShadowRay));

@@ -72,5 +72,6 @@ Command merge_command(CLI::App& program);
 Command info_command(CLI::App& program);
 Command devices_command(CLI::App& program);
 Command bench_command(CLI::App& program);
+Command selftest_command(CLI::App& program);
 
 }  // namespace oclair

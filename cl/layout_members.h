@@ -1,4 +1,5 @@
-// Every struct of cl/types.h and its members, in order, for both sides of layout_test. A forgotten struct or member fails there.
+// Every struct of cl/types.h and its members, in order: what the device is asked, and the host (host/selftest/layout.h).
+// A forgotten struct or member fails in tests/layout_test.
 #define LAYOUT_LIST(STRUCT, MEMBER)                                                                                     \
   STRUCT(packed_float3) MEMBER(packed_float3, x) MEMBER(packed_float3, y) MEMBER(packed_float3, z)                      \
   STRUCT(packed_uint3) MEMBER(packed_uint3, x) MEMBER(packed_uint3, y) MEMBER(packed_uint3, z)                          \

@@ -1,4 +1,4 @@
-// Seeded numbers for tests, the same with every standard library.
+// Seeded numbers for tests and the self-test, the same with every standard library.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <random>
 
-#include "../cl/types.h"
+#include "../../cl/types.h"
 
 namespace oclair::test {
 

@@ -1,6 +1,7 @@
 // The scale of float rounding.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

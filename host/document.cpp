@@ -21,6 +21,7 @@ constexpr int MAX_DEPTH = 64;
 constexpr std::size_t MAX_INCLUDES = 1000;
 constexpr std::size_t MAX_TEXT = std::size_t{1} << 28;  // bytes of XML, all files together
 constexpr std::size_t MAX_PROPERTIES = 100;             // of one element: they are searched one by one
+constexpr std::size_t MAX_SEARCH_PATH = 100;            // directories, likewise, for each file that is named
 
 const std::set<std::string> OBJECT_TAGS = {"bsdf",    "emitter", "film",  "integrator", "rfilter",
                                            "sampler", "sensor",  "shape", "texture"};
@@ -75,6 +76,8 @@ void read_search_path(Source& source, pugi::xml_node node, bool in_root) {
   std::error_code error;
   if (directory.empty() || !fs::is_directory(directory, error))
     refuse(where(source, node), "<path>: there is no directory \"" + name + "\"");
+  if (source.search_path.size() >= MAX_SEARCH_PATH)
+    refuse(where(source, node), "<path>: more than " + std::to_string(MAX_SEARCH_PATH) + " directories are on the search path");
   source.search_path.insert(source.search_path.begin(), directory);
 }
 

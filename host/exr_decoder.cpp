@@ -68,7 +68,19 @@ void check_header(std::string_view bytes) {
   check_exr_size(header, bytes.size());
 }
 
-void read_pixels(Imf::InputFile& file, Image& image) {
+// Whether so many bytes of a file can become so many of texels. Deflate shrinks by 1032 at most; before it PXR24 leaves out
+// one byte of four, and texels may be twice as wide as what is stored. The methods that are not listed say in a few bytes that
+// a whole chunk is of one value.
+bool can_hold(Imf::Compression compression, std::size_t file, std::size_t texels) {
+  constexpr std::size_t GREATEST_RATIO = 1032 * 4 / 3 * 2;
+  const bool bounded = compression == Imf::NO_COMPRESSION || compression == Imf::RLE_COMPRESSION ||
+                       compression == Imf::ZIPS_COMPRESSION || compression == Imf::ZIP_COMPRESSION ||
+                       compression == Imf::PXR24_COMPRESSION || compression == Imf::B44_COMPRESSION ||
+                       compression == Imf::B44A_COMPRESSION;
+  return !bounded || texels / GREATEST_RATIO <= file;
+}
+
+void read_pixels(Imf::InputFile& file, std::size_t file_size, Image& image) {
   const auto& header = file.header();
   const auto names = channels_of(header.channels());
   const auto& window = header.dataWindow();
@@ -76,9 +88,12 @@ void read_pixels(Imf::InputFile& file, Image& image) {
   image.format = TEXEL_HALF;
   for (const auto& name : names)
     if (header.channels()[name].type != Imf::HALF) image.format = TEXEL_FLOAT;
-  allocate_texels(image, static_cast<ulong>(std::int64_t{window.max.x} - window.min.x + 1),
-                  static_cast<ulong>(std::int64_t{window.max.y} - window.min.y + 1));
   const std::size_t size = image.format == TEXEL_HALF ? 2 : 4, stride = size * image.channels;
+  const auto width = static_cast<ulong>(std::int64_t{window.max.x} - window.min.x + 1),
+             height = static_cast<ulong>(std::int64_t{window.max.y} - window.min.y + 1);
+  check_size(width, height);
+  if (!can_hold(header.compression(), file_size, width * height * stride)) throw TextureFileError("OpenEXR: it breaks off");
+  allocate_texels(image, width, height);
   Imf::FrameBuffer frame;
   for (std::size_t c = 0; c < names.size(); ++c)
     frame.insert(names[c], Imf::Slice::Make(image.format == TEXEL_HALF ? Imf::HALF : Imf::FLOAT, image.texels.data() + c * size,
@@ -108,7 +123,7 @@ Image decode_exr(std::string_view bytes) {
     ByteStream stream(bytes);
     Imf::InputFile file(stream, 0);
     if (!file.isComplete()) throw TextureFileError("OpenEXR: it breaks off");
-    read_pixels(file, image);
+    read_pixels(file, bytes.size(), image);
   } catch (const TextureFileError&) {
     throw;
   } catch (const std::bad_alloc&) {

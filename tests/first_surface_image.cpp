@@ -213,8 +213,9 @@ TEST(first_surface_image, of_triangles_is_the_nearest_with_its_interpolated_norm
     const double length = glm::length(sum), normal_slack = (2 * met->slack + 7 * unit_roundoff) / length + 8 * unit_roundoff;
     const glm::dvec3 geometric = front ? true_normal : -true_normal;
     const bool faces = glm::dot(sum / length, wo) > 0;
-    if (std::abs(glm::dot(sum / length, wo)) > normal_slack)
+    if (std::abs(glm::dot(sum / length, wo)) > normal_slack) {
       EXPECT_LE(glm::length(unpacked(found[i].normal) - (faces ? sum / length : geometric)), normal_slack) << i;
+    }
     substituted += !faces;
 
     const auto uv_at = [&](uint k) {
@@ -297,9 +298,15 @@ TEST(first_surface_image, of_quadrics_has_their_normal_and_their_coordinates) {
       EXPECT_LE(std::abs(std::remainder(value - longitude, 1.0)), turn_slack) << i;
     };
     expect_turn(which == 1 ? found[i].v : found[i].u);
-    if (which == 0) EXPECT_NEAR(found[i].v, std::atan2(from_axis, q.z) / pi, local + 8 * unit_roundoff) << i;
-    if (which == 1) EXPECT_NEAR(found[i].u, from_axis, local + 8 * unit_roundoff) << i;
-    if (which == 2) EXPECT_NEAR(found[i].v, q.z, local + 8 * unit_roundoff) << i;
+    if (which == 0) {
+      EXPECT_NEAR(found[i].v, std::atan2(from_axis, q.z) / pi, local + 8 * unit_roundoff) << i;
+    }
+    if (which == 1) {
+      EXPECT_NEAR(found[i].u, from_axis, local + 8 * unit_roundoff) << i;
+    }
+    if (which == 2) {
+      EXPECT_NEAR(found[i].v, q.z, local + 8 * unit_roundoff) << i;
+    }
   }
 }
 
@@ -328,7 +335,9 @@ TEST(first_surface_image, a_mask_is_met_as_often_as_it_is_opaque_and_those_behin
     for (std::size_t i = parity; i < n; i += 2) {
       const std::size_t wall = wall_of(found[i], 3);
       ++observed[wall];
-      if (wall < 3) EXPECT_EQ(found[i].sum.albedo.x, 0.125f * static_cast<float>(wall + 1));
+      if (wall < 3) {
+        EXPECT_EQ(found[i].sum.albedo.x, 0.125f * static_cast<float>(wall + 1));
+      }
     }
     const double total = static_cast<double>(n) / 2;
     EXPECT_GE(chi_square_test(observed, {total * 0.75, total * 0.25 * 0.25, total * 0.25 * 0.75, 0.0}), significance(2));

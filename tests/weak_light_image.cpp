@@ -44,6 +44,8 @@ TEST(weak_light_image, a_plate_under_a_sky_of_any_radiance_reflects_its_share) {
     const Estimate e = estimate(film);
     EXPECT_NEAR(e.mean, exact, z_bound(7) * e.error + 64 * unit_roundoff * exact + 8 * smallest) << radiance;
     // What is far above the smallest number is seen to a per cent.
-    if (radiance >= 1e-40) EXPECT_LE(z_power * e.error, 0.01 * exact) << radiance;
+    if (radiance >= 1e-40) {
+      EXPECT_LE(z_power * e.error, 0.01 * exact) << radiance;
+    }
   }
 }

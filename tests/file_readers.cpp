@@ -108,9 +108,7 @@ void write_images(const fs::path& exr, const fs::path& png, const Checkpoint& ch
   write_exr(exr, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
             parts_of(film, window.pixel_format, checkpoint.head.moment_name, checkpoint.layers),
             header_attributes(checkpoint.head.attributes, figures, {}));
-  const std::vector<float> rgb = rgb_of(film);
-  const std::span<const float> values(rgb);
-  write_png(png, film.width, film.height, {{{values, 3}, {values.subspan(1), 3}, {values.subspan(2), 3}}});
+  write_png(png, film.width, film.height, rgb_of(film));
 }
 
 // With as many samples that come after its own: what is written then can be read.

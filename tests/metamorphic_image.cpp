@@ -462,7 +462,7 @@ TEST(metamorphic_image, a_surface_in_the_place_of_an_earlier_one_changes_no_bit)
   for (const int width : {4, 8}) {
     EXPECT_EQ(different_pixels(once, render_scene(scene, 8, width)), 0u) << width;
     const Bvh bvh = build_bvh(scene, width);
-    Renderer in_bands = start_render(device(), scene, bvh, 1);
+    Renderer in_bands = start_render(device(), scene, bvh, {.on_device = 1});
     EXPECT_GT(in_bands.plan.bands, 1u);
     for (const uint samples : {3u, 5u}) render_pass(in_bands, samples);
     EXPECT_EQ(different_pixels(once, read_film(in_bands)), 0u) << width;

@@ -51,7 +51,7 @@ std::string digits(double x) {
 }
 
 std::string figure(const ExtremeTest& test, const Record& record) {
-  if (test.of.empty()) return "exact";
+  if (test.of.empty()) return "holds";
   return "measured " + digits(record.measured) + ", bound " + digits(record.bound) + " (" + test.of + ")";
 }
 
@@ -60,8 +60,8 @@ std::string page(const std::map<std::string, Record>& records) {
   text << R"(# Extremes
 
 Where renderers in float32 go wrong, what happens elsewhere, and what oclair does. Below each: the tests that guard it, each
-with the worst figure of one run and the bound that it must keep, which is derived in the test. "exact": the law has no figure,
-it holds without exception. u is 2^-24. Tests of means have fixed seeds; they must be within 4.27 standard errors.
+with the worst figure of one run and the bound that it must keep, which is derived in the test. "holds": the law has no single
+figure, the test judges each of its cases. u is 2^-24. Seeds are fixed; means are judged in standard errors.
 
 This page is made by `cmake --build build/release --target extremes_page`, after `./test`, of `tests/extremes_rows.h` and of
 what the tests record. The test `extremes` fails if it is not, if a test that is named here does not exist or records nothing,
@@ -116,7 +116,7 @@ TEST(extremes, every_named_test_exists_and_has_recorded_a_figure_within_its_boun
         }
         EXPECT_LE(record->second.measured, record->second.bound) << extreme.row << " " << test.name;
         EXPECT_EQ(test.of.empty(), record->second.bound == 0.0)
-            << extreme.row << " " << test.name << ": exact, or a figure of what?";
+            << extreme.row << " " << test.name << ": a law, or a figure of what?";
       }
   for (const auto& [name, record] : records) {
     const bool of_a_test = tests.count(name.substr(name.find('.') + 1)) != 0;  // or one that another commit had in this build

@@ -34,7 +34,7 @@ inline void record_extreme(const std::string& row, double measured, double bound
   write_extreme_record(row, measured, bound);
 }
 
-// The last statement of a test whose law has no figure: it holds, or it does not.
-inline void record_exact(const std::string& row) { write_extreme_record(row, testing::Test::HasFailure() ? 1.0 : 0.0, 0.0); }
+// The last statement of a test whose law has no single figure: it holds in all its cases, or it does not.
+inline void record_law(const std::string& row) { write_extreme_record(row, testing::Test::HasFailure() ? 1.0 : 0.0, 0.0); }
 
 }  // namespace oclair::test

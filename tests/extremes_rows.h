@@ -8,7 +8,7 @@ namespace oclair::test {
 
 struct ExtremeTest {
   std::string name;  // suite.test; it records a figure for this row
-  std::string of;    // what the figure counts; empty: the law holds exactly
+  std::string of;    // what the figure counts; empty: the law has none
 };
 
 struct Extreme {
@@ -45,7 +45,7 @@ inline const std::vector<ExtremeGroup>& extreme_groups() {
           {"environment_test.functions_err_by_no_more_ulps_than_opencl_allows",
            "of the ulps that OpenCL allows to rsqrt, sin, atan2, hypot and powr"}}},
         {"X4", "Denormal numbers", "A device may keep them or flush them to zero.",
-         "No comparison and no reciprocal depends on them. ctest runs every unit test of device code a second time with denormals flushed "
+         "What lies below 2^-126 may as well be 0. ctest runs every unit test of device code a second time with denormals flushed "
          "(label `flushed`).",
          {{"environment_test.denormals_are_kept_where_the_device_says_so_unless_they_are_to_be_flushed", ""},
           {"metamorphic_image.film_does_not_depend_on_whether_denormals_are_flushed", ""}}},
@@ -130,7 +130,7 @@ inline const std::vector<ExtremeGroup>& extreme_groups() {
          "Triangles without area are dropped with their light; the table has integer widths of at least 1.",
          {{"light_test.triangles_without_area_change_nothing_about_a_mesh_light", ""},
           {"light_statistics.a_mesh_of_100000_triangles_is_chosen_by_area_and_never_where_it_has_none", ""}}},
-        {"X25", "A light that almost touches", "pdf = d^2 / (A cos) under- or overflows.", "Lights are sampled by area and seen from behind bring 0.",
+        {"X25", "A light that almost touches", "pdf = d^2 / (A cos) under- or overflows.", "What arrives is worked out by area, with no division by the cosine; what is seen edge-on or from behind brings 0.",
          {{"light_image.centred_square_light_from_touching_to_far_has_the_mean_and_variance_of_the_power_heuristic",
            "standard errors, at heights of 0.01 to 100"}}},
         {"X26", "Weights of huge and tiny densities", "a^2 / (a^2 + b^2) is NaN from 1.9e19 on and below 1e-23.", "Ratios of the densities.",
@@ -186,7 +186,7 @@ inline const std::vector<ExtremeGroup>& extreme_groups() {
         {"X40", "Albedos above 1", "Disney's diffuse reaches 1.5575 at grazing incidence, Oren-Nayar's full model 1.044; tests that want less than 1 are wrong.",
          "As published, and documented; judged by closed forms and by an integral equation.",
          {{"disney_diffuse_test.directional_albedo_is_its_closed_form", "error of the albedo"},
-          {"rough_furnace_image.sphere_with_disney_walls_has_its_radiance_at_the_centre_and_beside_it", ""}}},
+          {"rough_furnace_image.sphere_with_disney_walls_has_its_radiance_at_the_centre_and_beside_it", "standard errors"}}},
         {"X41", "Normal maps of length 0, normals below the surface", "Division by 0; energy that is gone or made.",
          "Such texels say nothing; directions below the true surface are rejected, which keeps (1 + cos t)/2 of the light.",
          {{"normal_map_test.what_says_nothing_about_the_normal_leaves_it_alone", ""},
@@ -195,8 +195,8 @@ inline const std::vector<ExtremeGroup>& extreme_groups() {
          "No remedy: rejection loses light that shrinks with the facets, and never gains any.",
          {{"furnace_image.glass_with_smooth_normals_never_gains_and_loses_less_when_finer", ""}}},
         {"X43", "Glass that touches water", "Two surfaces in one place, or an ulp apart, make a film of air that reflects 0.06 instead of 0.0036.",
-         "Outside of what scenes can say: the format has no media of priorities. Where two dielectrics touch, one surface with their relative index is "
-         "modelled, and it is exact (X36).",
+         "Outside of what scenes can say: the format has no media of priorities. Where two dielectrics touch, a scene gives one "
+         "surface with both indices (`int_ior`, `ext_ior`), which is exact (X36).",
          {}},
         {"X44", "Trapped light", "In a box of glass, rays inside a cone never leave.", "They end after 4096 segments and bring nothing; roulette ends them sooner.",
          {{"furnace_image.light_trapped_in_a_glass_box_is_lost_and_no_other", ""}}}}},

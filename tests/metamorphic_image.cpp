@@ -128,8 +128,8 @@ TEST(metamorphic_image, scene_scaled_by_a_power_of_two_is_the_same_film) {
     scale(world, std::ldexp(1.0, power));
     EXPECT_EQ(different_pixels(film, render_full(world, 8)), 0u) << power;
   }
-  record_exact("X11");
-  record_exact("X12");
+  record_law("X11");
+  record_law("X12");
 }
 
 // By any other factor only roundings change, which may send single paths elsewhere.
@@ -154,7 +154,7 @@ TEST(metamorphic_image, emission_scaled_by_a_power_of_two_scales_the_film_exactl
     EXPECT_EQ(scaled.exponent, film.exponent + power);
     EXPECT_EQ(different_pixels(film, scaled), 0u) << power;
   }
-  record_exact("X28");
+  record_law("X28");
 }
 
 // Where no coordinate is rounded it is the same film; otherwise it is within the noise.
@@ -187,7 +187,7 @@ TEST(metamorphic_image, any_split_into_passes_is_the_same_film) {
   EXPECT_EQ(different_pixels(film, passes(std::vector<uint>(samples, 1))), 0u);
   EXPECT_EQ(different_pixels(film, passes({5, 0, 1, samples - 6})), 0u);
   EXPECT_GT(different_pixels(film, passes({samples - 1})), 0u);
-  record_exact("X32");
+  record_law("X32");
 }
 
 // Wherever it is stopped: in the middle of a replica too.
@@ -229,7 +229,7 @@ TEST(metamorphic_image, film_in_bands_of_several_launches_is_the_film_in_one) {
   };
   static_assert(80 * 1000 > max_launch);
   EXPECT_EQ(different_pixels(rendered(1 << 30, 1), rendered(std::size_t{184} * 1000 * 80, 2)), 0u);
-  record_exact("X32");
+  record_law("X32");
 }
 
 // 45x37 pixels with moments: 14 760 bytes a row.
@@ -355,7 +355,7 @@ TEST(metamorphic_image, thin_crops_repeat_the_pixels_of_the_whole) {
       for (uint x = 0; x < c.width; ++x)
         EXPECT_TRUE(same_pixel(crop.pixels[y * c.width + x], whole.pixels[(y + c.y) * 44 + x + c.x])) << x << " " << y;
   }
-  record_exact("X48");
+  record_law("X48");
 }
 
 // A picture of one pixel has the mean of the same view in many.
@@ -409,7 +409,7 @@ TEST(metamorphic_image, specialised_kernel_gives_the_film_of_the_full_kernel) {
     EXPECT_GT(estimate(full).mean, 0.01);
     EXPECT_EQ(different_pixels(specialised, full), 0u);
   }
-  record_exact("X32");
+  record_law("X32");
 }
 
 TEST(metamorphic_image, moments_do_not_change_the_film) {
@@ -435,13 +435,13 @@ void expect_hash_of_zoo(const std::string& environment) {
 
 TEST(metamorphic_image, film_does_not_depend_on_the_number_of_threads) {
   for (const std::string threads : {"1", "3"}) expect_hash_of_zoo("POCL_MAX_PTHREAD_COUNT=" + threads);
-  record_exact("X32");
+  record_law("X32");
 }
 
 // That PoCL heeds the flag is a law of environment_test, which ctest runs under it too.
 TEST(metamorphic_image, film_does_not_depend_on_whether_denormals_are_flushed) {
   expect_hash_of_zoo("POCL_EXTRA_BUILD_FLAGS=-cl-denorms-are-zero");
-  record_exact("X4");
+  record_law("X4");
 }
 
 // A second quad in the place of the first, of another material: never seen, by whatever tree and in whatever bands. It has to
@@ -467,7 +467,7 @@ TEST(metamorphic_image, a_surface_in_the_place_of_an_earlier_one_changes_no_bit)
     for (const uint samples : {3u, 5u}) render_pass(in_bands, samples);
     EXPECT_EQ(different_pixels(once, read_film(in_bands)), 0u) << width;
   }
-  record_exact("X15");
+  record_law("X15");
 }
 
 TEST(metamorphic_image, depth_0_is_black_1_is_emission_2_adds_direct_light) {

@@ -61,7 +61,7 @@ void no_box_is_missed(std::uint64_t seed, std::size_t groups) {
 TEST(node_test, no_box_that_the_exact_ray_hits_is_missed_or_entered_too_late) {
   no_box_is_missed<8>(1, count_or_small(250000, 60));
   no_box_is_missed<4>(2, count_or_small(250000, 60));
-  record_exact("X7");
+  record_law("X7");
 }
 
 // Extreme X8.
@@ -79,7 +79,7 @@ TEST(node_test, rays_along_the_axes_with_zeros_of_either_sign_hit_exactly_the_bo
     EXPECT_EQ(answer.mask[i], hit ? 0xffu : 0u) << i;
   }
   EXPECT_GT(hits, 1000u);
-  record_exact("X8");
+  record_law("X8");
 }
 
 TEST(node_test, boxes_beyond_t_max_are_not_entered) {

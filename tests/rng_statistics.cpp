@@ -119,7 +119,7 @@ TEST(rng_statistics, neighbours_are_uncorrelated) {
       for (const auto* b : {&there.x, &there.y})
         EXPECT_GT(normal_tails(correlation(*a, *b) * root), significance(40)) << name;
   }
-  record_exact("X22");
+  record_law("X22");
 }
 
 // Along a row of pixels, one sample: neighbours of one stream of calls, whose lattice a weak generator shows in three dimensions.

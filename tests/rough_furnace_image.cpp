@@ -88,8 +88,8 @@ World sphere(const Material& material, double off) {
   return world;
 }
 
-void expect_radiance(const Material& material, const Kernel& kernel, double off, double finds) {
-  expect_mean(render_full(sphere(material, off), 1024), Sphere(kernel).radiance(std::sqrt(1 - off * off)), finds);
+double expect_radiance(const Material& material, const Kernel& kernel, double off, double finds) {
+  return expect_mean(render_full(sphere(material, off), 1024), Sphere(kernel).radiance(std::sqrt(1 - off * off)), finds);
 }
 
 }  // namespace
@@ -107,12 +107,13 @@ TEST(rough_furnace_image, oracle_meets_known_values) {
 }
 
 TEST(rough_furnace_image, sphere_with_disney_walls_has_its_radiance_at_the_centre_and_beside_it) {
+  double worst = 0.0;
   for (const double r : {0.0, 0.5, 1.0})
     for (const double off : {0.0, 0.9}) {
       SCOPED_TRACE(testing::Message() << r << " " << off);
-      expect_radiance(rough(MATERIAL_DISNEY, 0.5, r), disney(0.5, r), off, 0.01);
+      worst = std::max(worst, expect_radiance(rough(MATERIAL_DISNEY, 0.5, r), disney(0.5, r), off, 0.01));
     }
-  record_exact("X40");
+  record_extreme("X40", worst, z_limit);
 }
 
 TEST(rough_furnace_image, sphere_with_oren_nayar_walls_has_its_radiance) {

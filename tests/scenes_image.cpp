@@ -110,7 +110,7 @@ TEST(scenes_image, kernels_with_more_features_give_the_film_of_the_exact_one) {
     EXPECT_EQ(different_pixels(exact, shared), 0u) << name;
     EXPECT_EQ(different_pixels(exact, full), 0u) << name;
   }
-  record_exact("X32");
+  record_law("X32");
 }
 
 TEST(scenes_image, the_scenes_of_the_repository_share_three_kernels) {

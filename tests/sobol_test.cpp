@@ -86,7 +86,7 @@ TEST(sobol_test, every_elementary_interval_holds_one_point_of_every_aligned_bloc
         }
         ASSERT_EQ(cells.size(), std::size_t{1} << k) << "net " << first / n << ", " << (1 << across) << " columns";
       }
-  record_exact("X23");
+  record_law("X23");
 }
 
 // All trees on all digits. A scrambling is Owen's if digits that agree up to one agree up to that one afterwards, and as

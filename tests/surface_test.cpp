@@ -107,7 +107,7 @@ TEST(surface_test, no_diffuse_walk_of_a_thousand_bounces_leaves_a_closed_room) {
   World sphere;
   add_shape(sphere, diffuse(0.5), Sides::both).geometry = Geometry::sphere;
   no_walk_leaves(sphere, "true sphere");
-  record_exact("X10");
+  record_law("X10");
 }
 
 // Extreme X30. Walls along the axes only turn the signs of the direction: its components come back. Each bounce renormalises
@@ -249,7 +249,7 @@ TEST(surface_test, every_triangle_that_a_scene_keeps_has_a_unit_normal) {
   std::size_t wrong = 0;
   for (const Result& s : surfaces(scene, bvh, rays, hits)) wrong += !(std::abs(glm::length(unpacked(s.geometric)) - 1.0) < 4 * unit_roundoff);
   EXPECT_EQ(wrong, 0u) << "of " << hits.size();
-  record_exact("X14");
+  record_law("X14");
 }
 
 TEST(surface_test, points_of_quadrics_lie_within_their_error_and_normals_point_outwards_unless_flipped) {

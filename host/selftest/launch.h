@@ -10,12 +10,12 @@
 namespace oclair::test {
 
 // An array that the kernel writes; its size is fixed by the caller beforehand.
-template <class T>
+template <class T, class Allocator>
 struct Out {
-  std::vector<T>& values;
+  std::vector<T, Allocator>& values;
 };
-template <class T>
-Out<T> out(std::vector<T>& values) {
+template <class T, class Allocator>
+Out<T, Allocator> out(std::vector<T, Allocator>& values) {
   return {values};
 }
 
@@ -24,15 +24,15 @@ template <class T>
 struct Buffered : std::false_type {};
 template <class T, class Allocator>
 struct Buffered<std::vector<T, Allocator>> : std::true_type {};
-template <class T>
-struct Buffered<Out<T>> : std::true_type {};
+template <class T, class Allocator>
+struct Buffered<Out<T, Allocator>> : std::true_type {};
 
 template <class T, class Allocator>
 const std::vector<T, Allocator>& content(const std::vector<T, Allocator>& values) {
   return values;
 }
-template <class T>
-std::vector<T>& content(const Out<T>& values) {
+template <class T, class Allocator>
+std::vector<T, Allocator>& content(const Out<T, Allocator>& values) {
   return values.values;
 }
 
@@ -54,8 +54,8 @@ template <class T, class Allocator>
 void fetch(const Device&, const cl::Buffer*& buffer, const std::vector<T, Allocator>&) {
   ++buffer;
 }
-template <class T>
-void fetch(const Device& device, const cl::Buffer*& buffer, const Out<T>& out) {
+template <class T, class Allocator>
+void fetch(const Device& device, const cl::Buffer*& buffer, const Out<T, Allocator>& out) {
   if (!out.values.empty())
     device.queue.enqueueReadBuffer(*buffer, CL_TRUE, 0, out.values.size() * sizeof(T), out.values.data());
   ++buffer;

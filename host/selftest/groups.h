@@ -7,7 +7,7 @@
 
 namespace oclair::selftest {
 
-using namespace test;
+using namespace test;  // the oracles, which the tests have too
 
 // The device, and cl/selftest.cl compiled for it as the renderer's kernels are.
 struct Session {

@@ -145,6 +145,17 @@ TEST(texture_file_test, jpeg_is_gray_or_rgb) {
   }
 }
 
+// libjpeg may go through the whole image for each of them. The coefficients 1 to n come in two scans each, the others in one.
+TEST(texture_file_test, jpeg_has_at_most_100_scans) {
+  const auto bytes = [](int n) {
+    std::vector<jpeg_scan_info> scans = {{1, {0}, 0, 0, 0, 0}, {1, {0}, n + 1, 63, 0, 0}};
+    for (int k = 1; k <= n; ++k) scans.insert(scans.end(), {{1, {0}, k, k, 0, 1}, {1, {0}, k, k, 1, 0}});
+    return jpeg_bytes(16, 16, JCS_GRAYSCALE, 1, counted(256), true, scans);
+  };
+  EXPECT_EQ(refusal(bytes(49)), "");
+  EXPECT_EQ(refusal(bytes(50)), "JPEG: it has more than 100 scans");
+}
+
 TEST(texture_file_test, exr_stays_half_or_float) {
   const auto r = floats(6), g = std::vector<float>(6, 2.0f), b = std::vector<float>(6, -1.0f);
   for (const auto type : {Imf::HALF, Imf::FLOAT}) {

@@ -3,6 +3,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <ImfPartType.h>
 #include <ImfVersion.h>
 #include <ImfXdr.h>
 
@@ -59,9 +60,10 @@ void check_header(std::string_view bytes) {
   int magic = 0, version = 0;
   Imf::Xdr::read<Imf::StreamIO>(stream, magic);
   Imf::Xdr::read<Imf::StreamIO>(stream, version);
-  if (Imf::isNonImage(version)) throw TextureFileError("OpenEXR: deep pixels are not supported (supported: flat images)");
   Imf::Header header;
   header.readFrom(stream, version);
+  if (Imf::isNonImage(version) || (header.hasType() && !Imf::isImage(header.type())))
+    throw TextureFileError("OpenEXR: deep pixels are not supported (supported: flat images)");
   const auto& window = header.dataWindow();
   check_size(static_cast<ulong>(std::max(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{0})),
              static_cast<ulong>(std::max(std::int64_t{window.max.y} - window.min.y + 1, std::int64_t{0})));

@@ -50,8 +50,10 @@ inline std::string png_bytes(unsigned width, unsigned height, int color_type, in
   return result;
 }
 
+// Progressive in the usual scans, or in those that are given.
 inline std::string jpeg_bytes(unsigned width, unsigned height, J_COLOR_SPACE space, int components,
-                              std::vector<std::uint8_t> data, bool progressive = false) {
+                              std::vector<std::uint8_t> data, bool progressive = false,
+                              const std::vector<jpeg_scan_info>& scans = {}) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -66,6 +68,10 @@ inline std::string jpeg_bytes(unsigned width, unsigned height, J_COLOR_SPACE spa
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, 100, TRUE);
   if (progressive) jpeg_simple_progression(&jpeg);
+  if (!scans.empty()) {
+    jpeg.scan_info = scans.data();
+    jpeg.num_scans = static_cast<int>(scans.size());
+  }
   jpeg_start_compress(&jpeg, TRUE);
   for (unsigned y = 0; y < height; ++y) {
     JSAMPROW row = data.data() + y * width * static_cast<unsigned>(components);

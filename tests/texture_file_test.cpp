@@ -1,6 +1,9 @@
 // Image files become texels in the file's own format; what is broken or not supported is refused.
 #include "../host/texture_file.h"
 
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputFile.h>
+#include <ImfPartType.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -142,6 +145,17 @@ TEST(texture_file_test, jpeg_is_gray_or_rgb) {
   }
 }
 
+// libjpeg may go through the whole image for each of them. The coefficients 1 to n come in two scans each, the others in one.
+TEST(texture_file_test, jpeg_has_at_most_100_scans) {
+  const auto bytes = [](int n) {
+    std::vector<jpeg_scan_info> scans = {{1, {0}, 0, 0, 0, 0}, {1, {0}, n + 1, 63, 0, 0}};
+    for (int k = 1; k <= n; ++k) scans.insert(scans.end(), {{1, {0}, k, k, 0, 1}, {1, {0}, k, k, 1, 0}});
+    return jpeg_bytes(16, 16, JCS_GRAYSCALE, 1, counted(256), true, scans);
+  };
+  EXPECT_EQ(refusal(bytes(49)), "");
+  EXPECT_EQ(refusal(bytes(50)), "JPEG: it has more than 100 scans");
+}
+
 TEST(texture_file_test, exr_stays_half_or_float) {
   const auto r = floats(6), g = std::vector<float>(6, 2.0f), b = std::vector<float>(6, -1.0f);
   for (const auto type : {Imf::HALF, Imf::FLOAT}) {
@@ -181,6 +195,29 @@ TEST(texture_file_test, other_formats_and_layouts_are_refused) {
   EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::FLOAT, {std::numeric_limits<float>::quiet_NaN()}}})),
             "OpenEXR: a texel is not finite");
   EXPECT_EQ(refusal(exr_bytes(1, 1, {{"Y", Imf::HALF, {1e9f}}})), "OpenEXR: a texel is not finite");
+}
+
+// The flag in the version that says so may be missing.
+TEST(texture_file_test, deep_pixels_are_refused_whether_or_not_the_version_says_so) {
+  Imf::Header header(4, 2);
+  header.setType(Imf::DEEPSCANLINE);
+  header.compression() = Imf::ZIPS_COMPRESSION;
+  header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+  ByteSink sink;
+  {
+    std::vector<unsigned> counts(8, 0);
+    std::vector<float*> samples(8, nullptr);
+    Imf::DeepFrameBuffer buffer;
+    buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 16));
+    buffer.insert("Y", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()), sizeof(float*), 4 * sizeof(float*), 4));
+    Imf::DeepScanLineOutputFile file(sink, header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(2);
+  }
+  constexpr char DEEP = 0x08;
+  ASSERT_EQ(sink.text[5] & DEEP, DEEP);
+  for (int i = 0; i < 2; ++i, sink.text[5] = static_cast<char>(sink.text[5] & ~DEEP))
+    EXPECT_EQ(refusal(sink.text), "OpenEXR: deep pixels are not supported (supported: flat images)") << i;
 }
 
 // What the renderer itself writes among them.

@@ -108,7 +108,7 @@ double tree_stands(const std::vector<Corners>& triangles, std::size_t ray_count)
     const Bvh bvh = build_bvh(scene, width);
     const int exact = (width - 1) * bvh.depth + 1;
     EXPECT_GE(bvh.stack_size(), exact);
-    for (std::size_t i = 0; i < std::min<std::size_t>(rays.size(), 50); ++i)
+    for (std::size_t i = 0; i < std::min<std::size_t>(rays.size(), 15); ++i)
       worst = std::max(worst, static_cast<double>(entries_needed(bvh, rays[i])) / exact);
     const std::vector<Hit> hits = trace_closest(scene, bvh, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(disagreement(scene, rays[i], hits[i]), "") << width << " " << i;

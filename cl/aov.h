@@ -31,7 +31,7 @@ OUT_OF_LINE FirstSurface aov_first_surface(const Scene *scene, PathState *path, 
       const TexturePoint *at = &first.surface.at;
       ulong bits = by_chance ? path_surface_bits(sampler, 0u, path->passes, false) : AOV_NO_CHANCE;
       first.material = material_select(scene, first.material, at, (uint)(bits >> 32));
-      passes = HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, &path->ray, hit, first.material, at);
+      passes = HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, path->ray, hit, first.material, *at);
     }
     if (!passes) return first;
     path_pass_through(path, hit);

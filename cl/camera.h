@@ -53,7 +53,7 @@ INLINE Ray camera_ray(const Camera *camera, float x, float y, float2 lens) {
 }
 
 // Ray of a sample of the pixel (x, y) of the full film.
-INLINE Ray camera_sample(const Scene *scene, uint x, uint y, const Sampler *sampler) {
+OUT_OF_LINE Ray camera_sample(const Scene *scene, uint x, uint y, const Sampler *sampler) {
   __global const Settings *settings = scene->settings;
   float2 u = sampler_2d(sampler, DIMENSION_FILM);
   float radius = settings->filter_radius;

@@ -46,7 +46,7 @@ INLINE void film_accumulate(__global ulong *sum, int limbs, ulong value, int shi
 }
 
 // Adds one sample to a pixel, or counts it as rejected: one bad sample must not spoil the pixel for ever.
-INLINE void film_add(__global FilmPixel *pixel, __global FilmMoments *moments, float3 radiance, bool hit, int exponent) {
+OUT_OF_LINE void film_add(__global FilmPixel *pixel, __global FilmMoments *moments, float3 radiance, bool hit, int exponent) {
   float channel[3] = {radiance.x, radiance.y, radiance.z};
   if (!film_accepts(channel[0], exponent) || !film_accepts(channel[1], exponent) || !film_accepts(channel[2], exponent)) {
     pixel->rejected += 1;
@@ -102,7 +102,7 @@ INLINE void film_add_square(__global ulong *sum, ulong low, ulong high) {
 
 // After the sample of that number, rejected or not: the last one of a replica completes it. Its sum is what the pixel has
 // gained since the replica before.
-INLINE void film_end_sample(__global const FilmPixel *pixel, __global FilmErrors *errors, ulong sample) {
+OUT_OF_LINE void film_end_sample(__global const FilmPixel *pixel, __global FilmErrors *errors, ulong sample) {
   if ((sample + 1ul) % REPLICA_SAMPLES != 0ul) return;
   for (int c = 0; c < 3; ++c) {
     ulong low = pixel->sum[c][0], high = pixel->sum[c][1];

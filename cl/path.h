@@ -88,11 +88,11 @@ INLINE void path_pass_through(PathState *path, Hit hit) {
 
 // Share of the light that goes through the hit. Of the triangles that meet where the ray runs along their edge or through their vertex,
 // all of which are hit, only one is in its way.
-INLINE float path_transparency(const Scene *scene, const Ray *ray, Hit hit, uint material, const TexturePoint *at) {
-  float share = material_transparency(scene, material, at);
+OUT_OF_LINE float path_transparency(const Scene *scene, Ray ray, Hit hit, uint material, TexturePoint at) {
+  float share = material_transparency(scene, material, &at);
   bool at_edge = HAS(TRIANGLES) && !(hit.primitive & QUADRIC_BIT) && fmin(fmin(hit.b1, hit.b2), 1.0f - hit.b1 - hit.b2) < 0x1p-20f;
   if (!at_edge || share == 0.0f) return share;
-  const Shear shear = shear_from_ray(ray);
+  const Shear shear = shear_from_ray(&ray);
   return triangle_owns_hit(scene->blocks + hit.slot / BVH_WIDTH, hit.slot % BVH_WIDTH, &shear) ? share : 1.0f;
 }
 
@@ -186,7 +186,7 @@ INLINE ShadowRay path_shade(const Scene *scene, PathState *path, Hit hit, const 
   if (material_index != NONE) {
     ulong bits = path_surface_bits(sampler, path->depth, path->passes, false);
     material_index = material_select(scene, material_index, &surface.at, (uint)(bits >> 32));
-    if (HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, &path->ray, hit, material_index, &surface.at)) {
+    if (HAS(OPACITY) && rng_unit((uint)bits) < path_transparency(scene, path->ray, hit, material_index, surface.at)) {
       path_pass_through(path, hit);
       return none;
     }
@@ -230,7 +230,7 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const 
     uint index = surface.front ? shape.material_front : shape.material_back;
     if (index == NONE) return 0.0f;
     index = material_select(scene, index, &surface.at, (uint)(path_surface_bits(sampler, shadow->depth, passes, true) >> 32));
-    share *= path_transparency(scene, &ray, hit, index, &surface.at);
+    share *= path_transparency(scene, ray, hit, index, surface.at);
     if (!(share > 0.0f)) return 0.0f;
     path_pass(&ray, hit);
   }

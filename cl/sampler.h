@@ -31,7 +31,7 @@ INLINE Sampler sampler_begin(__global const Settings *settings, uint pixel, ulon
 
 // 64 random bits, the coordinates of a point in 32 each. Of a Sobol point the first digits are those of its net, the others,
 // in which the points of a replica have nothing to do with each other, are the independent ones.
-INLINE ulong sampler_bits(const Sampler *s, uint dimension) {
+OUT_OF_LINE ulong sampler_bits(const Sampler *s, uint dimension) {
   ulong bits = rng_bits(s->key, dimension);
   if (!HAS(SOBOL) || !s->sobol || dimension >= SOBOL_DIMENSIONS) return bits;
   uint2 point = sobol_point(s->index, rng_bits(s->replica, dimension));

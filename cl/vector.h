@@ -4,6 +4,8 @@
 
 #include "types.h"
 
+// A function is compiled again for each function that it is inlined into; out of line once. What is out of line takes by value what its
+// caller goes on working with: a variable whose address leaves a function does not stay in registers (docs/performance.md).
 #define INLINE static inline __attribute__((always_inline))
 #define OUT_OF_LINE static __attribute__((noinline, unused))
 

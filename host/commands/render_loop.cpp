@@ -50,7 +50,7 @@ class Loop {
         if (monitor_->certified()) return Stop::error;
         warn_of_unknown_pixels();
       }
-      write_what_is_due();
+      if (renderer_.samples < limits_.samples) write_what_is_due();  // after the last pass all is written anyway
     }
   }
 

@@ -19,12 +19,12 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
 
 #include "error.h"
 #include "exr_headers.h"
+#include "exr_stream.h"
 
 namespace oclair {
 namespace {
@@ -32,28 +32,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t ROWS_AT_ONCE = 256;
-
-class FileStream : public Imf::IStream {
- public:
-  explicit FileStream(std::FILE* file) : Imf::IStream("it"), file_(file) {}
-
-  bool read(char to[], int count) override {
-    if (std::fread(to, 1, static_cast<std::size_t>(count), file_) != static_cast<std::size_t>(count))
-      throw std::runtime_error("it breaks off");
-    return true;
-  }
-  std::uint64_t tellg() override { return static_cast<std::uint64_t>(ftello(file_)); }
-  void seekg(std::uint64_t position) override {
-    if (fseeko(file_, static_cast<off_t>(position), SEEK_SET) != 0) throw std::runtime_error("it breaks off");
-  }
-
- private:
-  std::FILE* file_;
-};
-
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-File open_file(const fs::path& path) { return {std::fopen(path.c_str(), "rb"), &std::fclose}; }
 
 template <class... Values>
 std::string numbers(const Values&... values) {
@@ -211,7 +189,7 @@ std::vector<PartInfo> read_parts(const fs::path& path, std::FILE* opened) {
 bool is_exr(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return false;
-  const File file = open_file(path);
+  const InputFile file = open_input(path);
   std::array<char, 4> first{};
   return file && std::fread(first.data(), 1, first.size(), file.get()) == first.size() &&
          first == std::array{'\x76', '\x2f', '\x31', '\x01'};
@@ -221,7 +199,7 @@ std::vector<PartInfo> read_image_info(const fs::path& path) {
   const auto refuse = [&](const std::string& what) -> Error {
     return {Exit::scene, path.string() + ": " + one_line(what) + ", expected an OpenEXR file that is whole"};
   };
-  const File file = open_file(path);
+  const InputFile file = open_input(path);
   if (!file) throw refuse("it cannot be read");
   try {
     return read_parts(path, file.get());

@@ -73,5 +73,6 @@ Command info_command(CLI::App& program);
 Command devices_command(CLI::App& program);
 Command bench_command(CLI::App& program);
 Command selftest_command(CLI::App& program);
+Command compare_command(CLI::App& program);
 
 }  // namespace oclair

@@ -19,6 +19,7 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
 #include <system_error>
 
 #include "error.h"
@@ -159,6 +160,51 @@ bool end_png(PngWriter& writer) {
   return true;
 }
 
+// Asks for the rows of the picture and writes them. Returns libpng's message if it fails, else nothing.
+std::string write_png_to(std::FILE* file, unsigned width, unsigned height, const RgbOfPixels& rgb) {
+  constexpr unsigned rows_at_once = 16;
+  PngWriter writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, on_png_error, on_png_warning);
+  if (writer.png) writer.info = png_create_info_struct(writer.png);
+  if (!writer.info) throw std::bad_alloc();
+  const std::size_t row = std::size_t{3} * width;
+  bool good = begin_png(writer, file, width, height);
+  for (unsigned y = 0; good && y < height; y += rows_at_once) {
+    writer.rgb.resize(row * std::min(rows_at_once, height - y));
+    rgb(std::size_t{y} * width, writer.rgb);
+    writer.bytes.resize(writer.rgb.size());
+    std::transform(writer.rgb.begin(), writer.rgb.end(), writer.bytes.begin(), srgb_byte);
+    good = write_png_rows(writer, row);
+  }
+  return good && end_png(writer) ? "" : writer.message.empty() ? "unknown error" : writer.message;
+}
+
+// A C stream into memory.
+class MemoryStream {
+ public:
+  MemoryStream() : file_(open_memstream(&bytes_, &size_)) {
+    if (!file_) throw std::bad_alloc();
+  }
+  MemoryStream(const MemoryStream&) = delete;
+  MemoryStream& operator=(const MemoryStream&) = delete;
+  ~MemoryStream() {
+    std::fclose(file_);
+    std::free(bytes_);
+  }
+
+  std::FILE* file() const { return file_; }
+
+  std::string take() {
+    if (std::fflush(file_) != 0) throw std::bad_alloc();
+    return {bytes_, size_};
+  }
+
+ private:
+  char* bytes_ = nullptr;
+  std::size_t size_ = 0;
+  std::FILE* file_;
+};
+
 }  // namespace
 
 void write_exr(const fs::path& path, const ImageWindow& window, const std::vector<ImagePart>& parts,
@@ -183,24 +229,17 @@ void write_exr(const fs::path& path, const ImageWindow& window, const std::vecto
 }
 
 void write_png(const fs::path& path, unsigned width, unsigned height, const RgbOfPixels& rgb) {
-  constexpr unsigned rows_at_once = 16;
   FileAside aside(path);
-  PngWriter writer;
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, on_png_error, on_png_warning);
-  if (writer.png) writer.info = png_create_info_struct(writer.png);
-  if (!writer.info) throw std::bad_alloc();
-  const std::size_t row = std::size_t{3} * width;
-  bool good = begin_png(writer, aside.file(), width, height);
-  for (unsigned y = 0; good && y < height; y += rows_at_once) {
-    writer.rgb.resize(row * std::min(rows_at_once, height - y));
-    rgb(std::size_t{y} * width, writer.rgb);
-    writer.bytes.resize(writer.rgb.size());
-    std::transform(writer.rgb.begin(), writer.rgb.end(), writer.bytes.begin(), srgb_byte);
-    good = write_png_rows(writer, row);
-  }
-  if (!good || !end_png(writer))
-    fail(path, "cannot be written: " + writer.message, "room for the whole image and a size that PNG allows");
+  if (const std::string error = write_png_to(aside.file(), width, height, rgb); !error.empty())
+    fail(path, "cannot be written: " + error, "room for the whole image and a size that PNG allows");
   aside.commit();
+}
+
+std::string encoded_png(unsigned width, unsigned height, const RgbOfPixels& rgb) {
+  MemoryStream stream;
+  if (const std::string error = write_png_to(stream.file(), width, height, rgb); !error.empty())
+    throw Error(Exit::render_failed, "a PNG cannot be made: " + error + ", expected a size that PNG allows");
+  return stream.take();
 }
 
 double tone_mapped(double linear) {

@@ -49,6 +49,9 @@ void write_exr(const std::filesystem::path& path, const ImageWindow& window, con
 // to bottom, some at a time.
 void write_png(const std::filesystem::path& path, unsigned width, unsigned height, const RgbOfPixels& rgb);
 
+// The bytes of the same file.
+std::string encoded_png(unsigned width, unsigned height, const RgbOfPixels& rgb);
+
 // [-inf, inf] to [0, 1]: x up to the knee at 0.8, then 0.8 + 0.2 (1 - exp(-(x - 0.8) / 0.2)), whose slope at the knee is 1.
 double tone_mapped(double linear);
 

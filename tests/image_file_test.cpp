@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <bit>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "extremes.h"
 #include "faults.h"
 #include "files.h"
+#include "png_reader.h"
 #include "temporary_directory.h"
 
 namespace {
@@ -87,17 +87,6 @@ std::string message_of_failure(Writer write, const fs::path& path) {
   }
   ADD_FAILURE() << path << " was written";
   return "";
-}
-
-std::vector<std::uint8_t> read_png(const fs::path& path) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  EXPECT_TRUE(png_image_begin_read_from_file(&image, path.c_str()));
-  EXPECT_EQ(image.format, png_uint_32{PNG_FORMAT_RGB});
-  EXPECT_EQ(image.flags & PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB, 0u);
-  std::vector<std::uint8_t> bytes(PNG_IMAGE_SIZE(image));
-  EXPECT_TRUE(png_image_finish_read(&image, nullptr, bytes.data(), 0, nullptr));
-  return bytes;
 }
 
 TEST(image_file_test, exr_keeps_every_bit_of_every_float) {

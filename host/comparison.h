@@ -1,4 +1,4 @@
-// How far two images are from each other: docs/compare.md.
+// How far two images are apart: docs/compare.md.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t BLOCK = 8;  // pixels, side of the blocks of `pattern`
 
-// Sum of numbers whose signs are random, in units of its deviation.
+// Sum of numbers whose signs are random.
 struct SignSum {
   double sum = 0.0, squares = 0.0;
 
@@ -21,59 +21,79 @@ struct SignSum {
     squares += x * x;
   }
   double deviate() const { return squares > 0.0 ? sum / std::sqrt(squares) : 0.0; }
+  double tail() const { return sign_tail(std::abs(deviate())); }
 };
 
-// Of several deviates, or other comparisons, of one kind.
-void add_test(Equality& result, const std::string& name, const std::vector<SignSum>& sums) {
-  double largest = 0.0;
-  for (const SignSum& sum : sums)
-    if (std::abs(sum.deviate()) > std::abs(largest)) largest = sum.deviate();
-  result.tests.push_back({name, std::min(1.0, static_cast<double>(sums.size()) * sign_tail(std::abs(largest))), largest});
+// Sum of numbers whose means are 0.
+struct BoundedSum {
+  double sum = 0.0, variance = 0.0, bound = 0.0;
+
+  void add(double x, double deviation, double largest) {
+    sum += x;
+    variance += deviation * deviation;
+    bound = std::max(bound, largest);
+  }
+  double deviate() const { return variance > 0.0 ? sum / std::sqrt(variance) : 0.0; }
+  double tail() const { return bounded_tail(std::abs(sum), variance, bound); }
+};
+
+// Of several sums of one kind.
+template <class Sum>
+void add_test(Equality& result, const std::string& name, const std::vector<Sum>& sums) {
+  EqualityTest test{name, 1.0, 0.0};
+  for (const Sum& sum : sums) {
+    test.p = std::min(test.p, static_cast<double>(sums.size()) * sum.tail());
+    if (std::abs(sum.deviate()) > std::abs(test.statistic)) test.statistic = sum.deviate();
+  }
+  result.tests.push_back(test);
 }
 
-// Differences of the two images, or 0 where there is no finite one. What depends on a value's size is the same when the images are
-// exchanged.
+// Differences of the two images. Nothing here but their signs depends on which image is which.
 class Differences {
  public:
-  Differences(const ImagePlanes& a, const ImagePlanes& b, const Replicas& replicas) : a_(a), b_(b), replicas_(replicas) {}
+  Differences(const ImagePlanes& a, const ImagePlanes& b, const Replicas& replicas)
+      : a_(a), b_(b), na_(static_cast<double>(replicas.a)), nb_(static_cast<double>(replicas.b)) {}
 
   std::size_t channels() const { return a_.channels.size(); }
+  std::size_t values() const { return a_.values.size(); }
 
+  // 0 where it, or its error, is not finite.
   double plain(std::size_t i) const {
     const double d = double{a_.values[i]} - b_.values[i];
-    return std::isfinite(d) && std::isfinite(variance(i)) ? d : 0.0;
+    return std::isfinite(d) && std::isfinite(double{a_.errors[i]} + b_.errors[i]) ? d : 0.0;
   }
 
-  // In units of its error, which the difference itself is a part of: at most sqrt(n).
+  // Standard deviation of the difference over all ways to tell the replicas of the pixel apart, na and nb of them; the difference
+  // itself is at most sqrt(na + nb - 1) times as large.
+  double deviation(std::size_t i) const {
+    const double d = plain(i), sa = a_.errors[i], sb = b_.errors[i], n = na_ + nb_;
+    if (!std::isfinite(sa + sb)) return 0.0;
+    const double squares = na_ * (na_ - 1.0) * sa * sa + nb_ * (nb_ - 1.0) * sb * sb + na_ * nb_ / n * d * d;  // around one mean
+    return std::sqrt(squares * n / (na_ * nb_ * (n - 1.0)));
+  }
+
   double studentised(std::size_t i) const {
     const double d = plain(i);
-    return d != 0.0 ? d / std::sqrt(variance(i) + d * d / static_cast<double>(replicas_.a)) : 0.0;
+    return d != 0.0 ? d / deviation(i) : 0.0;
   }
 
-  // In units of an upper bound of its error among all ways to tell the replicas apart: see `pixel` in docs/compare.md.
-  double exchanged(std::size_t i) const {
-    const double d = plain(i), n = static_cast<double>(replicas_.a);
-    return d != 0.0 ? std::abs(d) / std::sqrt(2.0 * (n - 1.0) / n * variance(i) + d * d / n) : 0.0;
-  }
+  double largest_studentised() const { return std::sqrt(na_ + nb_ - 1.0); }
+
+  // With n replicas in each: in units of an upper bound of its error among all ways to pair those of A with those of B.
+  double paired(std::size_t i) const { return std::sqrt(na_ / (2.0 * na_ - 1.0)) * std::abs(studentised(i)); }
 
   // All replicas of one image are above all of the other: none of n is farther from their mean than n - 1 standard errors of it.
   // Rounding: of the values to float, of a standard error to 2^-31/sqrt(n) of the mean.
   bool separated(std::size_t i) const {
-    const double d = plain(i), na = static_cast<double>(replicas_.a), nb = static_cast<double>(replicas_.b);
-    const double size = std::abs(double{a_.values[i]}) + std::abs(double{b_.values[i]});
-    const double rounding = size * (0x1p-24 + 0x1p-31 * std::sqrt(std::max(na, nb)));
-    const double reach = ((na - 1.0) * a_.errors[i] + (nb - 1.0) * b_.errors[i]) * (1.0 + 0x1p-22);
+    const double d = plain(i), size = std::abs(double{a_.values[i]}) + std::abs(double{b_.values[i]});
+    const double rounding = size * (0x1p-24 + 0x1p-31 * std::sqrt(std::max(na_, nb_)));
+    const double reach = ((na_ - 1.0) * a_.errors[i] + (nb_ - 1.0) * b_.errors[i]) * (1.0 + 0x1p-22);
     return std::abs(d) > reach + rounding;
   }
 
  private:
-  double variance(std::size_t i) const {
-    const double sa = a_.errors[i], sb = b_.errors[i];
-    return sa * sa + sb * sb;
-  }
-
   const ImagePlanes &a_, &b_;
-  const Replicas& replicas_;
+  const double na_, nb_;
 };
 
 using Triple = std::array<double, 3>;
@@ -109,10 +129,9 @@ void add_pixel_test(Equality& result, const Differences& differences, const Imag
   double apart = 0.0, largest = 0.0;
   for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
     bool any = false;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const std::size_t i = pixel * channels + c;
+    for (std::size_t i = pixel * channels; i < (pixel + 1) * channels; ++i) {
       any = any || differences.separated(i);
-      if (replicas.a == replicas.b) largest = std::max(largest, differences.exchanged(i));
+      if (replicas.alike) largest = std::max(largest, differences.paired(i));
     }
     apart += any;
   }
@@ -122,31 +141,74 @@ void add_pixel_test(Equality& result, const Differences& differences, const Imag
   result.tests.push_back({"pixel", std::min(1.0, 2.0 * std::min(p_apart, p_largest)), apart});
 }
 
+template <class Sum, class Add>
+std::vector<Sum> channel_sums(const Differences& differences, const Add& add) {
+  std::vector<Sum> sums(differences.channels());
+  for (std::size_t i = 0; i < differences.values(); ++i) add(sums[i % sums.size()], i);
+  return sums;
+}
+
+void add_sign_tests(Equality& result, const Differences& differences, const ImagePlanes& image) {
+  const auto studentised = [&](std::size_t i) { return differences.studentised(i); };
+  add_test(result, "mean", channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(differences.plain(i)); }));
+  add_test(result, "weighted", channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(studentised(i)); }));
+  add_test(result, "pattern", pattern_sums(image, differences.channels(), studentised));
+}
+
+void add_draw_tests(Equality& result, const Differences& differences) {
+  const double largest = differences.largest_studentised();
+  add_test(result, "mean", channel_sums<BoundedSum>(differences, [&](BoundedSum& sum, std::size_t i) {
+             const double deviation = differences.deviation(i);
+             sum.add(differences.plain(i), deviation, largest * deviation);
+           }));
+  add_test(result, "weighted", channel_sums<BoundedSum>(differences, [&](BoundedSum& sum, std::size_t i) {
+             if (differences.deviation(i) > 0.0) sum.add(differences.studentised(i), 1.0, largest);
+           }));
+}
+
+void add_approximate_tests(Equality& result, const Differences& differences, const ImagePlanes& image) {
+  const auto plain = [&](std::size_t i) { return differences.plain(i); };
+  add_test(result, "mean", channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(plain(i)); }));
+  add_test(result, "pattern", pattern_sums(image, differences.channels(), plain));
+}
+
 bool overlap(const std::vector<SampleRange>& a, const std::vector<SampleRange>& b) {
   return std::any_of(a.begin(), a.end(), [&](const SampleRange& x) {
     return std::any_of(b.begin(), b.end(), [&](const SampleRange& y) { return x.first < y.end() && y.first < x.end(); });
   });
 }
 
+// Samples that ranges have beyond their complete replicas, those of each range, in ascending order.
+std::vector<std::uint64_t> remainders(const std::vector<SampleRange>& ranges) {
+  std::vector<std::uint64_t> counts;
+  for (const SampleRange& range : ranges)
+    if (range.count % REPLICA_SAMPLES != 0) counts.push_back(range.count % REPLICA_SAMPLES);
+  std::sort(counts.begin(), counts.end());
+  return counts;
+}
+
 }  // namespace
 
+// The numbers of a sample are a function of seed, pixel and sample, whatever the scene (cl/rng.h).
 Replicas replicas_of(const ImagePlanes& a, const ImagePlanes& b) {
   Replicas replicas;
   if (a.ranges.empty() || b.ranges.empty()) {
-    replicas.why_not = "a header does not say how many samples there are";
+    replicas.why_not = "a header does not say which samples there are";
     return replicas;
   }
   replicas.a = count_replicas(a.ranges);
   replicas.b = count_replicas(b.ranges);
-  replicas.complete =
-      replicas.a * REPLICA_SAMPLES == count_samples(a.ranges) && replicas.b * REPLICA_SAMPLES == count_samples(b.ranges);
+  const auto rest_a = remainders(a.ranges), rest_b = remainders(b.ranges);
+  replicas.whole = rest_a.empty() && rest_b.empty() && !a.rejected && !b.rejected;
   if (replicas.a < 2 || replicas.b < 2)
     replicas.why_not = "an image has fewer than two replicas";
   else if (a.sampler != b.sampler)
     replicas.why_not = "the samplers are not the same";
-  else if (a.seed == b.seed && a.scene_hash == b.scene_hash && overlap(a.ranges, b.ranges))
+  else if (a.seed == b.seed && overlap(a.ranges, b.ranges))
     replicas.why_not = "the images share random numbers";
   replicas.exchangeable = replicas.why_not.empty();
+  replicas.alike = replicas.exchangeable && replicas.a == replicas.b && rest_a == rest_b;
+  if (replicas.exchangeable && !replicas.alike) replicas.why_not = "the numbers of samples are not the same";
   return replicas;
 }
 
@@ -160,27 +222,23 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b) {
     return result;
   }
   const Replicas replicas = replicas_of(a, b);
-  const bool alike = replicas.exchangeable && replicas.a == replicas.b;
-  const std::string unlike = replicas.exchangeable ? "the numbers of samples are not the same" : replicas.why_not;
   const Differences differences(a, b, replicas);
-  const std::size_t channels = differences.channels();
-  const auto sums = [&](const auto& value) {
-    std::vector<SignSum> of_channels(channels);
-    for (std::size_t i = 0; i < a.values.size(); ++i) of_channels[i % channels].add(value(i));
-    return of_channels;
-  };
-  const auto plain = [&](std::size_t i) { return differences.plain(i); };
-  const auto studentised = [&](std::size_t i) { return differences.studentised(i); };
-  add_test(result, "mean", sums(plain));
-  if (alike)
-    add_test(result, "weighted", sums(studentised));
-  else
-    result.left_out.push_back("weighted: " + unlike);
-  add_test(result, "pattern", alike ? pattern_sums(a, channels, studentised) : pattern_sums(a, channels, plain));
-  if (replicas.exchangeable && replicas.complete)
+  const std::string not_whole = a.rejected || b.rejected ? "samples were rejected" : "a replica is not complete";
+  const auto leave_out = [&](const char* test, const std::string& why) { result.left_out.push_back(std::string(test) + ": " + why); };
+  if (replicas.alike) {
+    add_sign_tests(result, differences, a);
+  } else if (replicas.exchangeable && replicas.whole) {
+    add_draw_tests(result, differences);
+    leave_out("pattern", replicas.why_not);
+  } else {
+    result.approximate = replicas.why_not + (replicas.exchangeable ? " and " + not_whole : "");
+    add_approximate_tests(result, differences, a);
+    leave_out("weighted", result.approximate);
+  }
+  if (replicas.exchangeable && replicas.whole)
     add_pixel_test(result, differences, a, replicas);
   else
-    result.left_out.push_back("pixel: " + (replicas.exchangeable ? "a replica is not complete" : replicas.why_not));
+    leave_out("pixel", replicas.exchangeable ? not_whole : replicas.why_not);
   for (const EqualityTest& test : result.tests) result.p = std::min(result.p, static_cast<double>(result.tests.size()) * test.p);
   return result;
 }
@@ -189,6 +247,11 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b) {
 double sign_tail(double z) {
   const double factor = 1.0 / (2.0 * std::erfc(1.0));
   return std::min(1.0, factor * std::erfc(z / std::sqrt(2.0)));
+}
+
+double bounded_tail(double sum, double variance, double bound) {
+  if (!(variance > 0.0)) return 1.0;
+  return std::min(1.0, 2.0 * std::exp(-sum * sum / (2.0 * (variance + bound * sum / 3.0))));
 }
 
 // Chernoff 1952: exp(-n KL(k/n, q)) for k >= n q; and Markov's n q / k.

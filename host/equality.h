@@ -1,5 +1,5 @@
-// Whether two images can be renders of the same picture: a test of what their standard errors say, with a false-alarm rate that holds
-// whatever the distribution of a pixel is. docs/compare.md derives it.
+// Whether two images can be renders of the same picture: a test of what their standard errors say. Between renders that are drawn alike
+// and independently its false-alarm rate holds whatever the distribution of a pixel is. docs/compare.md derives it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,8 @@ struct EqualityTest {
 };
 
 struct Equality {
-  std::string impossible;  // why there is no test; empty: there is one
+  std::string impossible;   // why there is no test; empty: there is one
+  std::string approximate;  // why the rate rests on the means being normally distributed; empty: it rests on no distribution
   std::vector<EqualityTest> tests;
   std::vector<std::string> left_out;  // tests that were not made, and why
   double p = 1.0;                     // of all together: the smallest p times the number of tests
@@ -26,12 +27,13 @@ struct Equality {
   bool differs(double alpha) const { return impossible.empty() && p < alpha; }
 };
 
-// What the header of two images says of their replicas.
+// What the headers of two images say of the replicas of a pixel.
 struct Replicas {
-  std::uint64_t a = 0, b = 0;    // complete ones of a pixel
-  bool complete = false;         // no samples beyond them, in either
-  bool exchangeable = false;     // drawn alike and independently: their order and image do not matter to their distribution
-  std::string why_not;           // if not exchangeable
+  std::uint64_t a = 0, b = 0;  // complete ones
+  bool whole = false;          // no samples beyond them, in either, and none was rejected
+  bool exchangeable = false;   // drawn alike and independently: a replica might as well be in the other image
+  bool alike = false;          // exchangeable, and as many in both: the images might be each other
+  std::string why_not;         // not exchangeable, or not alike
 };
 
 Replicas replicas_of(const ImagePlanes& a, const ImagePlanes& b);
@@ -42,6 +44,11 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b);
 // At least the probability that |sum of e_i x_i| >= z sqrt(sum x_i^2) for any numbers x_i and independent signs e_i = +-1: Bentkus and
 // Dzindzalieta 2015, "A tight Gaussian bound for weighted sums of Rademacher random variables", Bernoulli 21(2).
 double sign_tail(double z);
+
+// At least the probability that a sum of independent numbers is `sum` or more away from 0, if their means are 0, their variances
+// sum to `variance` and none is larger than `bound`: Bernstein's inequality; Boucheron, Lugosi, Massart 2013, "Concentration
+// Inequalities", section 2.8.
+double bounded_tail(double sum, double variance, double bound);
 
 // At least the probability of k or more successes in n trials, of probability q each.
 double binomial_tail(double k, double n, double q);

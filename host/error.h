@@ -14,7 +14,7 @@ enum class Exit : int {
   scene = 3,          // the scene, or a file that it names, is missing or wrong
   device = 4,         // no such device, or a kernel does not compile or run
   stopped = 5,        // a render ended before its target; what it had is written
-  check_failed = 7,   // a self-test has failed
+  check_failed = 7,   // a self-test has failed, or images that were compared differ significantly
 };
 
 struct Error : std::runtime_error {

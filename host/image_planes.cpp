@@ -40,10 +40,10 @@ bool has_all(const Imf::Header& header, const Names& names) {
 }
 
 Names colour_channels(const Imf::Header& header) {
-  for (const Names& names : {Names{"R", "G", "B"}, Names{"Y"}, Names{"X", "Y", "Z"}})
+  for (const Names& names : {Names{"R", "G", "B"}, Names{"X", "Y", "Z"}, Names{"Y"}})
     if (has_all(header, names)) return names;
   throw std::runtime_error("its first part has the channels " + joined_names(header.channels()) +
-                           ", not R, G, B or Y or X, Y, Z at full resolution");
+                           ", not R, G, B or X, Y, Z or Y at full resolution");
 }
 
 std::string text_attribute(const Imf::Header& header, const char* name) {
@@ -69,13 +69,14 @@ std::vector<SampleRange> parsed_ranges(const std::string& text) {
   return ranges;
 }
 
-// What is taken grows with what has been read: a file that claims more than it has fails before.
+// Address space for all, which becomes memory as rows are read: a file that claims more than it has fails before.
 std::vector<float> read_channels(Imf::MultiPartInputFile& file, int part, const Names& names) {
   Imf::InputPart input(file, part);
   const Imath::Box2i window = input.header().dataWindow();
   const auto width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
   const std::size_t row = width * names.size();
   std::vector<float> values;
+  values.reserve(row * static_cast<std::size_t>(std::int64_t{window.max.y} - window.min.y + 1));
   for (std::int64_t top = window.min.y; top <= window.max.y; top += ROWS_AT_ONCE) {
     const auto last = std::min<std::int64_t>(top + ROWS_AT_ONCE - 1, window.max.y);
     const std::size_t first = values.size();
@@ -106,7 +107,7 @@ void require_readable(Imf::MultiPartInputFile& file, int part, std::uint64_t siz
   check_exr_size(header, size);
 }
 
-ImagePlanes read(const std::filesystem::path& path, std::FILE* opened) {
+ImagePlanes read(const std::filesystem::path& path, std::FILE* opened, StandardErrors wanted) {
   FileStream stream(opened);
   const std::uint64_t size = std::filesystem::file_size(path);
   check_exr_headers(stream, size);
@@ -127,7 +128,9 @@ ImagePlanes read(const std::filesystem::path& path, std::FILE* opened) {
   image.ranges = parsed_ranges(text_attribute(header, "sampleRanges"));
   image.sampler = text_attribute(header, "sampler");
   image.seed = text_attribute(header, "seed");
-  image.scene_hash = text_attribute(header, "sceneHash");
+  const std::string rejected = text_attribute(header, "rejectedSamples");
+  image.rejected = !rejected.empty() && rejected != "0";
+  if (wanted == StandardErrors::skip) return image;
   Names errors = image.channels;
   for (std::string& name : errors) name = "standardError." + name;
   if (const auto part = error_part(file, errors)) {
@@ -139,14 +142,17 @@ ImagePlanes read(const std::filesystem::path& path, std::FILE* opened) {
 
 }  // namespace
 
-ImagePlanes read_image_planes(const std::filesystem::path& path) {
+ImagePlanes read_image_planes(const std::filesystem::path& path, StandardErrors errors) {
   const auto refuse = [&](const std::string& what) -> Error {
     return {Exit::scene, path.string() + ": " + one_line(what) + ", expected an OpenEXR image that is whole"};
   };
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) throw refuse("it is not a regular file");
   const InputFile file = open_input(path);
   if (!file) throw refuse("it cannot be read");
   try {
-    return read(path, file.get());
+    return read(path, file.get(), errors);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {

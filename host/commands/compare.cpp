@@ -1,27 +1,39 @@
-#include <algorithm>
-#include <cmath>
-#include <fstream>
+#include <cerrno>
+#include <cstdio>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "../comparison.h"
+#include "../difference_image.h"
 #include "../equality.h"
-#include "../image.h"
+#include "../file_aside.h"
 #include "options.h"
-#include "report.h"
+#include "output.h"
 
 namespace oclair {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 struct CompareOptions {
   fs::path a, b;
-  std::optional<fs::path> reference, png;
-  std::optional<std::string> json;  // a file, or - for standard output
+  std::optional<fs::path> reference, png, json_file;
+  bool json_only = false;  // JSON on standard output, and the lines for people on standard error
   double alpha = 1e-3;
+};
+
+// What was found, for machines and for people.
+struct Findings {
+  std::int64_t x = 0, y = 0;          // of the first pixel, from the corner of the film
+  std::uint64_t width = 0;            // pixels
+  std::vector<std::string> channels;
+  Metrics difference;
+  std::optional<Metrics> a_error, b_error;  // against the reference
+  std::optional<Quantiles> z;
+  Equality equality;
+  std::optional<double> scale;  // of the picture
 };
 
 std::string size_text(const ImagePlanes& image) {
@@ -44,134 +56,144 @@ void require_alike(const fs::path& path, const ImagePlanes& image, const fs::pat
   if (image.channels != first.channels) refuse("the channels " + channel_text(image), channel_text(first));
 }
 
-// Of the difference a - b of a pixel: its luminance (Rec. ITU-R BT.709), or Y.
-float signed_difference(const ImagePlanes& a, const ImagePlanes& b, std::size_t pixel) {
-  constexpr double weights[] = {0.2126, 0.7152, 0.0722};
-  const std::size_t channels = a.channels.size();
-  double sum = 0.0;
-  for (std::size_t c = 0; c < channels; ++c) {
-    const double weight = channels == 1 || a.channels[c] == "Y" ? 1.0 : a.channels[0] == "R" ? weights[c] : 0.0;
-    if (weight > 0.0) sum += weight * (double{a.values[pixel * channels + c]} - b.values[pixel * channels + c]);
-  }
-  return static_cast<float>(sum);
+// Of each pixel, a - b: the luminance, or Y.
+std::vector<float> signed_differences(const ImagePlanes& a, const ImagePlanes& b) {
+  if (a.channels.front() == "R") return luminance_differences(a.values, b.values);
+  const std::size_t channels = a.channels.size(), luminance = channels / 2;  // X Y Z, or Y
+  std::vector<float> differences(a.pixels());
+  for (std::size_t i = 0; i < differences.size(); ++i)
+    differences[i] = a.values[i * channels + luminance] - b.values[i * channels + luminance];
+  return differences;
 }
 
-// Of the picture: the 99th percentile of what is not 0, or 0.
-double picture_scale(const ImagePlanes& a, const ImagePlanes& b) {
-  std::vector<float> sizes;
-  for (std::size_t pixel = 0; pixel < a.pixels(); ++pixel) {
-    const float size = std::abs(signed_difference(a, b, pixel));
-    if (std::isfinite(size) && size > 0.0f) sizes.push_back(size);
-  }
-  return quantiles(std::move(sizes)).p99;
+double write_picture(const fs::path& path, const ImagePlanes& a, const ImagePlanes& b) {
+  const std::vector<float> differences = signed_differences(a, b);
+  const double scale = difference_scale(differences);
+  write_difference(path, static_cast<unsigned>(a.width), static_cast<unsigned>(a.height), differences, scale);
+  return scale;
 }
 
-// Light grey at 0, linear to red at the scale and to blue at its negative; black: not finite. All below the knee of tone_mapped.
-void write_difference(const fs::path& path, const ImagePlanes& a, const ImagePlanes& b, double scale) {
-  constexpr float zero[] = {0.75f, 0.75f, 0.75f}, positive[] = {0.4f, 0.0f, 0.01f}, negative[] = {0.0f, 0.06f, 0.5f};
-  write_png(path, static_cast<unsigned>(a.width), static_cast<unsigned>(a.height), [&](std::size_t first, std::span<float> rgb) {
-    for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
-      const float d = signed_difference(a, b, first + i);
-      const float share = scale > 0.0 ? static_cast<float>(std::min(1.0, std::abs(d) / scale)) : 0.0f;
-      for (std::size_t c = 0; c < 3; ++c)
-        rgb[3 * i + c] = std::isfinite(d) ? zero[c] + share * ((d > 0.0f ? positive : negative)[c] - zero[c]) : 0.0f;
-    }
-  });
-}
-
-nlohmann::ordered_json json_of(const Metrics& m) {
-  return {{"values", m.values},        {"notFinite", m.left_out},   {"mean", m.mean},   {"signedMean", m.signed_mean}, {"mse", m.mse},
-          {"relMSE", m.relative_mse}, {"smape", m.smape}, {"maximum", m.maximum}};
-}
-
-// What was found, for machines and for people: print() goes through the same figures.
-struct Findings {
-  Metrics difference;
-  std::optional<Metrics> a_error, b_error;  // against the reference
-  std::optional<Quantiles> z;
-  Equality equality;
-  std::optional<double> scale;  // of the picture
+struct Place {
+  std::int64_t x, y;
+  std::string channel;
 };
 
-nlohmann::ordered_json json_of(const Findings& found, const CompareOptions& options) {
-  nlohmann::ordered_json json = {{"a", options.a.string()}, {"b", options.b.string()}, {"difference", json_of(found.difference)}};
-  if (found.a_error) {
-    json["reference"] = options.reference->string();
-    json["errorOfA"] = json_of(*found.a_error);
-    json["errorOfB"] = json_of(*found.b_error);
+Place place_of(std::uint64_t value, const Findings& found) {
+  const std::uint64_t pixel = value / found.channels.size();
+  return {found.x + static_cast<std::int64_t>(pixel % found.width), found.y + static_cast<std::int64_t>(pixel / found.width),
+          found.channels[value % found.channels.size()]};
+}
+
+Json json_of(const Metrics& m, const Findings& found) {
+  Json json = {{"values", m.values}, {"notFinite", m.left_out},    {"mean", m.mean},   {"signedMean", m.signed_mean},
+               {"mse", m.mse},       {"relMSE", m.relative_mse}, {"smape", m.smape}, {"maximum", m.maximum}};
+  if (m.maximum > 0.0) {
+    const Place place = place_of(m.maximum_at, found);
+    json["maximumAt"] = {{"x", place.x}, {"y", place.y}, {"channel", place.channel}};
   }
-  if (found.z) json["z"] = {{"p50", found.z->median}, {"p99", found.z->p99}, {"maximum", found.z->maximum}};
-  nlohmann::ordered_json& equality = json["equality"];
-  equality["alpha"] = options.alpha;
-  if (!found.equality.impossible.empty()) equality["impossible"] = found.equality.impossible;
-  for (const EqualityTest& test : found.equality.tests)
-    equality["tests"].push_back({{"name", test.name}, {"p", test.p}, {"statistic", test.statistic}});
-  if (!found.equality.left_out.empty()) equality["leftOut"] = found.equality.left_out;
-  if (found.equality.impossible.empty()) equality["p"] = found.equality.p;
-  equality["differs"] = found.equality.differs(options.alpha);
-  if (found.scale) json["scale"] = *found.scale;
   return json;
 }
 
-void print(const std::string& name, const Metrics& m, std::ostream& out) {
+Json json_of(const Equality& equality, double alpha) {
+  Json json = {{"alpha", alpha}, {"differs", equality.differs(alpha)}};
+  if (!equality.impossible.empty()) {
+    json["impossible"] = equality.impossible;
+    return json;
+  }
+  json["p"] = equality.p;
+  if (!equality.approximate.empty()) json["approximate"] = equality.approximate;
+  for (const EqualityTest& test : equality.tests)
+    json["tests"].push_back({{"name", test.name}, {"p", test.p}, {"statistic", test.statistic}});
+  if (!equality.left_out.empty()) json["leftOut"] = equality.left_out;
+  return json;
+}
+
+std::string json_text(const Findings& found, const CompareOptions& options) {
+  Json json = {{"a", options.a.string()}, {"b", options.b.string()}, {"difference", json_of(found.difference, found)}};
+  if (found.a_error) {
+    json["reference"] = options.reference->string();
+    json["errorOfA"] = json_of(*found.a_error, found);
+    json["errorOfB"] = json_of(*found.b_error, found);
+  }
+  if (found.z) json["z"] = {{"p50", found.z->median}, {"p99", found.z->p99}, {"maximum", found.z->maximum}};
+  json["equality"] = json_of(found.equality, options.alpha);
+  if (found.scale) json["scale"] = *found.scale;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void print(const std::string& name, const Metrics& m, const Findings& found, std::ostream& out) {
   out << name << ": signed mean " << m.signed_mean << " (of " << m.mean << "), MSE " << m.mse << ", relMSE " << m.relative_mse
-      << ", SMAPE " << m.smape << ", maximum " << m.maximum << "\n";
-  if (m.left_out > 0) out << name << ": " << m.left_out << " values left out, which are not finite\n";
+      << ", SMAPE " << m.smape << ", maximum " << m.maximum;
+  if (m.maximum > 0.0) {
+    const Place place = place_of(m.maximum_at, found);
+    out << " in " << place.channel << " at " << place.x << "," << place.y;
+  }
+  out << "\n";
+  if (m.left_out > 0) out << name << ": " << m.left_out << " of " << m.values + m.left_out << " values are not finite, and left out\n";
+}
+
+void print(const Equality& equality, double alpha, std::ostream& out) {
+  if (!equality.impossible.empty()) {
+    out << "no test is possible: " << equality.impossible << "\n";
+    return;
+  }
+  for (const EqualityTest& test : equality.tests) out << "test " << test.name << ": p " << test.p << ", statistic " << test.statistic << "\n";
+  for (const std::string& test : equality.left_out) out << "left out, test " << test << "\n";
+  out << (equality.differs(alpha) ? "they differ significantly" : "no significant difference") << ": p " << equality.p
+      << ", false-alarm rate " << (equality.approximate.empty() ? "at most " : "about ") << alpha;
+  if (!equality.approximate.empty()) out << " if the means are normally distributed, since " << equality.approximate;
+  out << "\n";
 }
 
 void print(const Findings& found, const CompareOptions& options, std::ostream& out) {
-  print("A - B", found.difference, out);
+  print("A - B", found.difference, found, out);
   if (found.a_error) {
-    print("A - reference", *found.a_error, out);
-    print("B - reference", *found.b_error, out);
+    print("A - reference", *found.a_error, found, out);
+    print("B - reference", *found.b_error, found, out);
     const auto ratio = [&](const char* name, double a, double b) {
-      out << "  " << name << " of A over that of B: " << (b > 0.0 ? a / b : std::numeric_limits<double>::quiet_NaN()) << "\n";
+      if (b > 0.0) out << name << " of A over that of B: " << a / b << "\n";
     };
     ratio("MSE", found.a_error->mse, found.b_error->mse);
     ratio("relMSE", found.a_error->relative_mse, found.b_error->relative_mse);
   }
   if (found.z) out << "|z|: p50 " << found.z->median << ", p99 " << found.z->p99 << ", maximum " << found.z->maximum << "\n";
-  for (const EqualityTest& test : found.equality.tests)
-    out << "test " << test.name << ": p " << test.p << ", statistic " << test.statistic << "\n";
-  for (const std::string& test : found.equality.left_out) out << "test left out, " << test << "\n";
   if (found.scale) out << options.png->string() << ": red is A - B = " << *found.scale << ", blue " << -*found.scale << "\n";
-  if (!found.equality.impossible.empty())
-    out << "no test was possible: " << found.equality.impossible << "\n";
-  else
-    out << (found.equality.differs(options.alpha) ? "they differ significantly" : "no significant difference") << ": p "
-        << found.equality.p << ", false-alarm rate at most " << options.alpha << "\n";
+  print(found.equality, options.alpha, out);
 }
 
-void write_json(const std::string& file, const std::string& json) {
-  std::ofstream stream(file);
-  stream << json;
-  if (!stream.flush())
-    throw Error(Exit::render_failed, file + ": cannot be written, expected a file in a writable directory");
+void write_text(const fs::path& path, const std::string& text) {
+  FileAside aside(path);
+  if (std::fwrite(text.data(), 1, text.size(), aside.file()) != text.size()) aside.fail_to_write(errno);
+  aside.commit();
+}
+
+// Outputs that cannot be written are found before anything is read.
+void require_outputs(const CompareOptions& options) {
+  std::vector<fs::path> outputs, inputs = {options.a, options.b};
+  for (const auto& output : {options.png, options.json_file})
+    if (output) outputs.push_back(*output);
+  if (options.reference) inputs.push_back(*options.reference);
+  require_distinct(outputs, inputs);
+  for (const fs::path& output : outputs) require_writable(output);
 }
 
 Exit run(const CompareOptions& options) {
-  if (options.png) require_writable(*options.png);
+  require_outputs(options);
   const ImagePlanes a = read_image_planes(options.a), b = read_image_planes(options.b);
   require_alike(options.b, b, options.a, a);
-  Findings found;
-  found.difference = compare(a.values, b.values);
+  Findings found{a.x, a.y, a.width, a.channels, compare(a.values, b.values), {}, {}, {}, {}, {}};
   if (options.reference) {
-    const ImagePlanes reference = read_image_planes(*options.reference);
+    const ImagePlanes reference = read_image_planes(*options.reference, StandardErrors::skip);
     require_alike(*options.reference, reference, options.a, a);
     found.a_error = compare(a.values, reference.values);
     found.b_error = compare(b.values, reference.values);
   }
   if (!a.errors.empty() && !b.errors.empty()) found.z = deviations(a.values, b.values, a.errors, b.errors);
   found.equality = test_equality(a, b);
-  if (options.png) {
-    found.scale = picture_scale(a, b);
-    write_difference(*options.png, a, b, *found.scale);
-  }
-  const bool json_only = options.json == "-";
-  if (json_only) std::cout << json_of(found, options).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
-  if (options.json && !json_only)
-    write_json(*options.json, json_of(found, options).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  print(found, options, json_only ? std::cerr : std::cout);
+  if (options.png) found.scale = write_picture(*options.png, a, b);
+  if (options.json_file) write_text(*options.json_file, json_text(found, options));
+  if (options.json_only) std::cout << json_text(found, options);
+  print(found, options, options.json_only ? std::cerr : std::cout);
   return found.equality.differs(options.alpha) ? Exit::check_failed : Exit::success;
 }
 
@@ -185,12 +207,22 @@ Command compare_command(CLI::App& program) {
   line.add_option("--reference", options->reference, "judge both by a third image, too")->type_name("R.exr");
   line.add_option_function<std::string>(
           "--alpha", [options](const std::string& given) { options->alpha = real_number("--alpha", given, 0.0, 1.0); },
-          "how often equal images may be called different; default: 0.001")
+          "how often equal images may be called different, in (0, 1); default: 0.001")
       ->type_name("RATE");
   line.add_option("--png", options->png, "write the signed difference as a picture")->type_name("FILE");
-  line.add_option("--json", options->json, "write the results to a file, too, or with - to standard output alone")
+  line.add_option_function<std::string>(
+          "--json",
+          [options](const std::string& given) {
+            options->json_only = given == "-";
+            if (!options->json_only) options->json_file = given;
+          },
+          "write the results to a file, too, or with - to standard output alone")
       ->type_name("FILE");
-  return {&line, [options] { return run(*options); }};
+  return {&line, [options] {
+            if (options->png && options->png->extension() != ".png")
+              throw Error(Exit::usage, "--png '" + options->png->string() + "': expected a name in .png");
+            return run(*options);
+          }};
 }
 
 }  // namespace oclair

@@ -14,20 +14,26 @@ void require_writable(const ImageFiles& files) {
   if (files.png) require_writable(*files.png);
 }
 
-void require_distinct(const ImageFiles& files, const std::optional<std::filesystem::path>& checkpoint,
-                      const std::vector<std::filesystem::path>& inputs) {
+void require_distinct(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) {
   const auto canonical = [](const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::weakly_canonical(path, ignored);
   };
   std::vector<std::filesystem::path> taken;
   for (const auto& input : inputs) taken.push_back(canonical(input));
-  for (const auto& file : {files.exr, files.png, checkpoint}) {
-    if (!file) continue;
-    if (std::find(taken.begin(), taken.end(), canonical(*file)) != taken.end())
-      throw Error(Exit::usage, file->string() + ": is another output or an input of this command as well, expected a file of its own");
-    taken.push_back(canonical(*file));
+  for (const auto& file : outputs) {
+    if (std::find(taken.begin(), taken.end(), canonical(file)) != taken.end())
+      throw Error(Exit::usage, file.string() + ": is another output or an input of this command as well, expected a file of its own");
+    taken.push_back(canonical(file));
   }
+}
+
+void require_distinct(const ImageFiles& files, const std::optional<std::filesystem::path>& checkpoint,
+                      const std::vector<std::filesystem::path>& inputs) {
+  std::vector<std::filesystem::path> outputs;
+  for (const auto& file : {files.exr, files.png, checkpoint})
+    if (file) outputs.push_back(*file);
+  require_distinct(outputs, inputs);
 }
 
 void attempt_all(const std::vector<std::function<void()>>& attempts) {

@@ -20,7 +20,8 @@ struct RunFigures {
   std::vector<std::pair<std::string, double>> seconds;  // of each phase
 };
 
-// Throws Error(Exit::usage) if two of them, or one and the checkpoint, are one file, or one is among `inputs`.
+// Throws Error(Exit::usage) if two of the outputs are one file, or one is among the inputs.
+void require_distinct(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs);
 void require_distinct(const ImageFiles& files, const std::optional<std::filesystem::path>& checkpoint,
                       const std::vector<std::filesystem::path>& inputs);
 

@@ -21,7 +21,7 @@
 namespace oclair {
 namespace {
 
-constexpr int ROWS_AT_ONCE = 64;
+constexpr std::uint64_t ROWS_AT_ONCE = 64;
 
 using Names = std::vector<std::string>;
 
@@ -69,25 +69,29 @@ std::vector<SampleRange> parsed_ranges(const std::string& text) {
   return ranges;
 }
 
-// Address space for all, which becomes memory as rows are read: a file that claims more than it has fails before.
+// What is taken grows with what has been read, and no further than to what all will take: a file that claims more than it has fails
+// before.
 std::vector<float> read_channels(Imf::MultiPartInputFile& file, int part, const Names& names) {
   Imf::InputPart input(file, part);
   const Imath::Box2i window = input.header().dataWindow();
-  const auto width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
+  const auto width = static_cast<std::uint64_t>(std::int64_t{window.max.x} - window.min.x + 1);
+  const auto height = static_cast<std::uint64_t>(std::int64_t{window.max.y} - window.min.y + 1);
   const std::size_t row = width * names.size();
+  const std::uint64_t at_once = std::clamp<std::uint64_t>(MAX_EXR_ROW / (4 * row), 1, ROWS_AT_ONCE);
   std::vector<float> values;
-  values.reserve(row * static_cast<std::size_t>(std::int64_t{window.max.y} - window.min.y + 1));
-  for (std::int64_t top = window.min.y; top <= window.max.y; top += ROWS_AT_ONCE) {
-    const auto last = std::min<std::int64_t>(top + ROWS_AT_ONCE - 1, window.max.y);
-    const std::size_t first = values.size();
-    values.resize(first + row * static_cast<std::size_t>(last - top + 1));
+  for (std::uint64_t done = 0; done < height; done += at_once) {
+    const std::uint64_t rows = std::min(at_once, height - done);
+    const std::size_t first = row * done, end = first + row * rows;
+    if (end > values.capacity()) values.reserve(std::min(row * height, std::max(end, 2 * values.capacity())));
+    values.resize(end);
+    const int top = static_cast<int>(window.min.y + static_cast<std::int64_t>(done));
     Imf::FrameBuffer buffer;
     for (std::size_t c = 0; c < names.size(); ++c)
-      buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + first + c,
-                                               Imath::V2i(window.min.x, static_cast<int>(top)), static_cast<std::int64_t>(width),
-                                               last - top + 1, 4 * names.size(), 4 * row));
+      buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + first + c, Imath::V2i(window.min.x, top),
+                                               static_cast<std::int64_t>(width), static_cast<std::int64_t>(rows), 4 * names.size(),
+                                               4 * row));
     input.setFrameBuffer(buffer);
-    input.readPixels(static_cast<int>(top), static_cast<int>(last));
+    input.readPixels(top, static_cast<int>(top + static_cast<std::int64_t>(rows) - 1));
   }
   return values;
 }

@@ -9,7 +9,7 @@ namespace {
 using Arguments = std::vector<std::string>;
 
 TEST(command_test, help_goes_to_stdout_and_succeeds) {
-  for (const Arguments& arguments : {Arguments{"--help"}, {"render", "--help"}, {"merge", "--help"}, {"info", "-h"}, {"devices", "--help"}, {"selftest", "--help"}}) {
+  for (const Arguments& arguments : {Arguments{"--help"}, {"render", "--help"}, {"merge", "--help"}, {"info", "-h"}, {"devices", "--help"}, {"selftest", "--help"}, {"compare", "--help"}}) {
     const ProgramResult result = run_oclair(arguments);
     EXPECT_EQ(result.exit, 0);
     EXPECT_NE(result.out.find("Usage: oclair"), std::string::npos) << result.out;

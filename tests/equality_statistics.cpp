@@ -101,7 +101,8 @@ TEST(equality_statistics, equal_images_are_called_different_no_oftener_than_the_
   expect_few_alarms(laws, {{2, 2}, {4, 4}, {16, 16}}, 4, "", 1);
 }
 
-// With fireflies, a normal approximation would call one pair in ten different: those of which the image with fewer samples has none.
+// With fireflies a normal approximation calls 28 of 100 pairs of 2 and 32 replicas different at the rate 1e-3: there the image of fewer
+// samples often has none.
 TEST(equality_statistics, nor_are_equal_images_of_different_numbers_of_samples) {
   expect_few_alarms(laws, {{2, 32}, {4, 5}, {16, 2}}, 3, "", 6);
 }

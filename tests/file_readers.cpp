@@ -10,6 +10,7 @@
 #include "../host/film.h"
 #include "../host/header.h"
 #include "../host/image_info.h"
+#include "../host/image_planes.h"
 #include "../host/mesh_file.h"
 #include "../host/reader.h"
 #include "../host/scene.h"
@@ -163,7 +164,13 @@ std::string read_as_image(std::string_view bytes) {
 
 std::string read_as_exr(std::string_view bytes) {
   static const TemporaryDirectory directory;
-  return read_file(directory / "a.exr", bytes, [](const fs::path& path) { read_image_info(path); });
+  return read_file(directory / "a.exr", bytes, [](const fs::path& path) {
+    read_image_info(path);
+    try {
+      read_image_planes(path);
+    } catch (const Error&) {  // that has no colour
+    }
+  });
 }
 
 std::string read_as_checkpoint(std::string_view bytes) {

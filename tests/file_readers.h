@@ -17,7 +17,7 @@ std::string read_as_obj(std::string_view bytes);
 std::string read_as_ply(std::string_view bytes);
 std::string read_as_serialized(std::string_view bytes);  // its first two shapes
 std::string read_as_image(std::string_view bytes);       // of a texture, in any format
-std::string read_as_exr(std::string_view bytes);         // as `oclair info` does
+std::string read_as_exr(std::string_view bytes);         // as `oclair info` and `oclair compare` do
 std::string read_as_checkpoint(std::string_view bytes);  // with its image, and merged with a part that fits
 
 struct NamedReader {

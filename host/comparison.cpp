@@ -6,8 +6,9 @@
 
 namespace oclair {
 
-// Relative MSE: Rousselle, Knaus, Zwicker 2011, "Adaptive sampling and reconstruction using greedy error minimization", where the 0.01 keeps dark pixels from deciding alone. SMAPE: Armstrong 1985, "Long-Range Forecasting", p. 348, here without its
-// factor 2 so that 1 is the most; two zeros agree.
+// Relative MSE: Rousselle, Knaus, Zwicker 2011, "Adaptive sampling and reconstruction using greedy error minimization",
+// where the 0.01 keeps dark pixels from deciding alone. SMAPE: Armstrong 1985, "Long-Range Forecasting", p. 348, here
+// without its factor 2 so that 1 is the most; two zeros agree.
 Metrics compare(std::span<const float> x, std::span<const float> r) {
   assert(x.size() == r.size());
   Metrics m;
@@ -44,13 +45,15 @@ Quantiles quantiles(std::vector<float> values) {
   return {at(0.5), at(0.99), at(1.0)};
 }
 
-Quantiles deviations(std::span<const float> a, std::span<const float> b, std::span<const float> sa, std::span<const float> sb) {
+Quantiles deviations(std::span<const float> a, std::span<const float> b, std::span<const float> sa,
+                     std::span<const float> sb) {
   assert(a.size() == b.size() && a.size() == sa.size() && a.size() == sb.size());
   std::vector<float> z;
   z.reserve(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double error = std::hypot(double{sa[i]}, double{sb[i]}), difference = std::abs(double{a[i]} - b[i]);
-    if (std::isfinite(error) && std::isfinite(difference) && error > 0.0) z.push_back(static_cast<float>(difference / error));
+    if (std::isfinite(error) && std::isfinite(difference) && error > 0.0)
+      z.push_back(static_cast<float>(difference / error));
   }
   return quantiles(std::move(z));
 }

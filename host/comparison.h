@@ -29,6 +29,7 @@ struct Quantiles {
 Quantiles quantiles(std::vector<float> values);
 
 // Quantiles of |z|, z = (a - b) / sqrt(sa^2 + sb^2), over the values that are finite and whose errors are not both 0.
-Quantiles deviations(std::span<const float> a, std::span<const float> b, std::span<const float> sa, std::span<const float> sb);
+Quantiles deviations(std::span<const float> a, std::span<const float> b, std::span<const float> sa,
+                     std::span<const float> sb);
 
 }  // namespace oclair

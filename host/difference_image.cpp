@@ -14,7 +14,8 @@ namespace {
 
 using Color = std::array<double, 3>;  // 8-bit sRGB, 0 to 255
 
-// Red and blue have nearly the same luminance, 0.09 and 0.08. All are below the knee of tone_mapped, so that it changes none.
+// Red and blue have nearly the same luminance, 0.09 and 0.08. All are below the knee of tone_mapped, so that it changes
+// none.
 constexpr Color ZERO = {225, 225, 225}, ABOVE = {170, 0, 26}, BELOW = {0, 70, 188}, NOT_FINITE = {0, 0, 0};
 
 Color color_of(float difference, double scale) {
@@ -41,7 +42,9 @@ std::vector<float> luminance_differences(std::span<const float> a, std::span<con
   assert(a.size() == b.size() && a.size() % 3 == 0);
   std::vector<float> differences(a.size() / 3);
   for (std::size_t i = 0; i < differences.size(); ++i) {
-    const auto color = [i](std::span<const float> image) { return glm::dvec3(image[3 * i], image[3 * i + 1], image[3 * i + 2]); };
+    const auto color = [i](std::span<const float> image) {
+      return glm::dvec3(image[3 * i], image[3 * i + 1], image[3 * i + 2]);
+    };
     differences[i] = static_cast<float>(luminance(color(a) - color(b)));
   }
   return differences;

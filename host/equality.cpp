@@ -63,12 +63,13 @@ class Differences {
     return std::isfinite(d) && std::isfinite(double{a_.errors[i]} + b_.errors[i]) ? d : 0.0;
   }
 
-  // Standard deviation of the difference over all ways to tell the replicas of the pixel apart, na and nb of them; the difference
-  // itself is at most sqrt(na + nb - 1) times as large.
+  // Standard deviation of the difference over all ways to tell the replicas of the pixel apart, na and nb of them; the
+  // difference itself is at most sqrt(na + nb - 1) times as large.
   double deviation(std::size_t i) const {
     const double d = plain(i), sa = a_.errors[i], sb = b_.errors[i], n = na_ + nb_;
     if (!std::isfinite(sa + sb)) return 0.0;
-    const double squares = na_ * (na_ - 1.0) * sa * sa + nb_ * (nb_ - 1.0) * sb * sb + na_ * nb_ / n * d * d;  // around one mean
+    const double squares =
+        na_ * (na_ - 1.0) * sa * sa + nb_ * (nb_ - 1.0) * sb * sb + na_ * nb_ / n * d * d;  // around one mean
     return std::sqrt(squares * n / (na_ * nb_ * (n - 1.0)));
   }
 
@@ -82,8 +83,8 @@ class Differences {
   // With n replicas in each: in units of an upper bound of its error among all ways to pair those of A with those of B.
   double paired(std::size_t i) const { return std::sqrt(na_ / (2.0 * na_ - 1.0)) * std::abs(studentised(i)); }
 
-  // All replicas of one image are above all of the other: none of n is farther from their mean than n - 1 standard errors of it.
-  // Rounding: of the values to float, of a standard error to 2^-31/sqrt(n) of the mean.
+  // All replicas of one image are above all of the other: none of n is farther from their mean than n - 1 standard errors of
+  // it. Rounding: of the values to float, of a standard error to 2^-31/sqrt(n) of the mean.
   bool separated(std::size_t i) const {
     const double d = plain(i), size = std::abs(double{a_.values[i]}) + std::abs(double{b_.values[i]});
     const double rounding = size * (0x1p-24 + 0x1p-31 * std::sqrt(std::max(na_, nb_)));
@@ -100,7 +101,8 @@ using Triple = std::array<double, 3>;
 
 double dot(const Triple& x, const Triple& y) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; }
 
-// Products of the sums over two halves of a set of pixels: any pattern of differences that the halves share makes them positive.
+// Products of the sums over two halves of a set of pixels: any pattern of differences that the halves share makes them
+// positive.
 template <class Value>
 std::vector<SignSum> pattern_sums(const ImagePlanes& image, std::size_t channels, const Value& value) {
   SignSum pairs, blocks;
@@ -137,7 +139,8 @@ void add_pixel_test(Equality& result, const Differences& differences, const Imag
   }
   const double pixels = static_cast<double>(image.pixels()), count = static_cast<double>(channels);
   const double chance = std::min(1.0, count * separation_probability(replicas.a, replicas.b));
-  const double p_apart = binomial_tail(apart, pixels, chance), p_largest = std::min(1.0, pixels * count * sign_tail(largest));
+  const double p_apart = binomial_tail(apart, pixels, chance),
+               p_largest = std::min(1.0, pixels * count * sign_tail(largest));
   result.tests.push_back({"pixel", std::min(1.0, 2.0 * std::min(p_apart, p_largest)), apart});
 }
 
@@ -150,8 +153,10 @@ std::vector<Sum> channel_sums(const Differences& differences, const Add& add) {
 
 void add_sign_tests(Equality& result, const Differences& differences, const ImagePlanes& image) {
   const auto studentised = [&](std::size_t i) { return differences.studentised(i); };
-  add_test(result, "mean", channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(differences.plain(i)); }));
-  add_test(result, "weighted", channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(studentised(i)); }));
+  add_test(result, "mean",
+           channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(differences.plain(i)); }));
+  add_test(result, "weighted",
+           channel_sums<SignSum>(differences, [&](SignSum& sum, std::size_t i) { sum.add(studentised(i)); }));
   add_test(result, "pattern", pattern_sums(image, differences.channels(), studentised));
 }
 
@@ -224,7 +229,9 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b) {
   const Replicas replicas = replicas_of(a, b);
   const Differences differences(a, b, replicas);
   const std::string not_whole = a.rejected || b.rejected ? "samples were rejected" : "a replica is not complete";
-  const auto leave_out = [&](const char* test, const std::string& why) { result.left_out.push_back(std::string(test) + ": " + why); };
+  const auto leave_out = [&](const char* test, const std::string& why) {
+    result.left_out.push_back(std::string(test) + ": " + why);
+  };
   if (replicas.alike) {
     add_sign_tests(result, differences, a);
   } else if (replicas.exchangeable && replicas.whole) {
@@ -239,7 +246,8 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b) {
     add_pixel_test(result, differences, a, replicas);
   else
     leave_out("pixel", replicas.exchangeable ? not_whole : replicas.why_not);
-  for (const EqualityTest& test : result.tests) result.p = std::min(result.p, static_cast<double>(result.tests.size()) * test.p);
+  for (const EqualityTest& test : result.tests)
+    result.p = std::min(result.p, static_cast<double>(result.tests.size()) * test.p);
   return result;
 }
 
@@ -258,7 +266,8 @@ double bounded_tail(double sum, double variance, double bound) {
 double binomial_tail(double k, double n, double q) {
   if (k <= 0.0 || k <= n * q) return 1.0;
   const double share = k / n;
-  const double divergence = share * std::log(share / q) + (share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - q)) : 0.0);
+  const double divergence =
+      share * std::log(share / q) + (share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - q)) : 0.0);
   return std::min({1.0, n * q / k, std::exp(-n * divergence)});
 }
 

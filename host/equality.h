@@ -1,5 +1,6 @@
-// Whether two images can be renders of the same picture: a test of what their standard errors say. Between renders that are drawn alike
-// and independently its false-alarm rate holds whatever the distribution of a pixel is. docs/compare.md derives it.
+// Whether two images can be renders of the same picture: a test of what their standard errors say. Between renders that are
+// drawn alike and independently its false-alarm rate holds whatever the distribution of a pixel is. docs/compare.md derives
+// it.
 #pragma once
 
 #include <cstdint>
@@ -41,13 +42,13 @@ Replicas replicas_of(const ImagePlanes& a, const ImagePlanes& b);
 // The images have equal sizes and channels.
 Equality test_equality(const ImagePlanes& a, const ImagePlanes& b);
 
-// At least the probability that |sum of e_i x_i| >= z sqrt(sum x_i^2) for any numbers x_i and independent signs e_i = +-1: Bentkus and
-// Dzindzalieta 2015, "A tight Gaussian bound for weighted sums of Rademacher random variables", Bernoulli 21(2).
+// At least the probability that |sum of e_i x_i| >= z sqrt(sum x_i^2) for any numbers x_i and independent signs e_i = +-1:
+// Bentkus and Dzindzalieta 2015, "A tight Gaussian bound for weighted sums of Rademacher random variables", Bernoulli 21(2).
 double sign_tail(double z);
 
-// At least the probability that a sum of independent numbers is `sum` or more away from 0, if their means are 0, their variances
-// sum to `variance` and none is larger than `bound`: Bernstein's inequality; Boucheron, Lugosi, Massart 2013, "Concentration
-// Inequalities", section 2.8.
+// At least the probability that a sum of independent numbers is `sum` or more away from 0, if their means are 0, their
+// variances sum to `variance` and none is larger than `bound`: Bernstein's inequality; Boucheron, Lugosi, Massart 2013,
+// "Concentration Inequalities", section 2.8.
 double bounded_tail(double sum, double variance, double bound);
 
 // At least the probability of k or more successes in n trials, of probability q each.

@@ -63,14 +63,15 @@ std::vector<SampleRange> parsed_ranges(const std::string& text) {
     const auto count = std::from_chars(first.ptr + 1, end, range.count);
     const std::uint64_t from = ranges.empty() ? 0 : ranges.back().end();
     constexpr std::uint64_t most = std::uint64_t{1} << 33;
-    if (count.ec != std::errc() || count.ptr != end || range.first < from || range.first > most || range.count > most) return {};
+    if (count.ec != std::errc() || count.ptr != end || range.first < from || range.first > most || range.count > most)
+      return {};
     ranges.push_back(range);
   }
   return ranges;
 }
 
-// What is taken grows with what has been read, and no further than to what all will take: a file that claims more than it has fails
-// before.
+// What is taken grows with what has been read, and no further than to what all will take: a file that claims more than it
+// has fails before.
 std::vector<float> read_channels(Imf::MultiPartInputFile& file, int part, const Names& names) {
   Imf::InputPart input(file, part);
   const Imath::Box2i window = input.header().dataWindow();
@@ -88,8 +89,8 @@ std::vector<float> read_channels(Imf::MultiPartInputFile& file, int part, const 
     Imf::FrameBuffer buffer;
     for (std::size_t c = 0; c < names.size(); ++c)
       buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + first + c, Imath::V2i(window.min.x, top),
-                                               static_cast<std::int64_t>(width), static_cast<std::int64_t>(rows), 4 * names.size(),
-                                               4 * row));
+                                               static_cast<std::int64_t>(width), static_cast<std::int64_t>(rows),
+                                               4 * names.size(), 4 * row));
     input.setFrameBuffer(buffer);
     input.readPixels(top, static_cast<int>(top + static_cast<std::int64_t>(rows) - 1));
   }

@@ -1,4 +1,5 @@
-// The colour of an OpenEXR file and its standard errors, in memory, to be compared. The file may be anyone's and is not trusted.
+// The colour of an OpenEXR file and its standard errors, in memory, to be compared. The file may be anyone's and is not
+// trusted.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +12,14 @@
 namespace oclair {
 
 struct ImagePlanes {
-  std::uint64_t width = 0, height = 0;   // of the pixels that are stored
-  std::int64_t x = 0, y = 0;             // of their first one, from the corner of the film
-  std::vector<std::string> channels;     // R G B, or X Y Z, or Y
-  std::vector<float> values;             // pixel by pixel, row by row, in the order of the channels
-  std::vector<float> errors;             // standard errors of the values; empty: not told, or not asked for
-  std::vector<SampleRange> ranges;       // of the samples of a pixel, as the header has them; empty: not told
-  std::string sampler, seed;             // as the header has them; empty: not told
-  bool rejected = false;                 // the header says that some samples were
+  std::uint64_t width = 0, height = 0;  // of the pixels that are stored
+  std::int64_t x = 0, y = 0;            // of their first one, from the corner of the film
+  std::vector<std::string> channels;    // R G B, or X Y Z, or Y
+  std::vector<float> values;            // pixel by pixel, row by row, in the order of the channels
+  std::vector<float> errors;            // standard errors of the values; empty: not told, or not asked for
+  std::vector<SampleRange> ranges;      // of the samples of a pixel, as the header has them; empty: not told
+  std::string sampler, seed;            // as the header has them; empty: not told
+  bool rejected = false;                // the header says that some samples were
 
   std::size_t pixels() const { return static_cast<std::size_t>(width * height); }
 };

@@ -38,7 +38,8 @@ struct Picture {
   ImageAttributes attributes{};
 };
 
-ImagePart part_of(const std::string& name, const std::string& prefix, const Picture& picture, const std::vector<float>& values) {
+ImagePart part_of(const std::string& name, const std::string& prefix, const Picture& picture,
+                  const std::vector<float>& values) {
   ImagePart part{name, {}, {}};
   for (const std::string& channel : picture.channels) part.channels.push_back(prefix + channel);
   const std::size_t count = picture.channels.size();
@@ -239,8 +240,8 @@ TEST_F(compare_command_test, json_goes_to_a_file_beside_the_lines_or_alone_to_st
   EXPECT_GT(found.at("z").at("p99"), found.at("z").at("p50"));
 }
 
-// Differences of luminance 1, -1 and half of it, with the rest equal; of four that differ the 99th percentile is the largest. Half of
-// the way from grey is 225 - 27.5, 225 - 112.5, 225 - 99.5, which are halves: rounded either way.
+// Differences of luminance 1, -1 and half of it, with the rest equal; of four that differ the 99th percentile is the
+// largest. Half of the way from grey is 225 - 27.5, 225 - 112.5, 225 - 99.5, which are halves: rounded either way.
 TEST_F(compare_command_test, the_picture_is_red_where_a_is_brighter_and_blue_where_b_is) {
   Picture picture = ramp();
   write(b, picture);
@@ -350,7 +351,8 @@ TEST_F(compare_command_test, deep_pixels_are_refused) {
     std::vector<float*> samples(8, nullptr);
     Imf::DeepFrameBuffer buffer;
     buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 16));
-    buffer.insert("Y", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()), sizeof(float*), 4 * sizeof(float*), 4));
+    buffer.insert(
+        "Y", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()), sizeof(float*), 4 * sizeof(float*), 4));
     Imf::DeepScanLineOutputFile file(b.c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(2);
@@ -362,7 +364,9 @@ TEST_F(compare_command_test, deep_pixels_are_refused) {
 TEST_F(compare_command_test, files_that_are_not_ours_are_compared) {
   std::vector<float> values(8);
   for (std::size_t i = 0; i < 8; ++i) values[i] = static_cast<float>(i);
-  const auto grey = [&](const std::vector<float>& y) { return exr_bytes(4, 2, {{"Y", Imf::HALF, y}, {"id", Imf::UINT, values}}); };
+  const auto grey = [&](const std::vector<float>& y) {
+    return exr_bytes(4, 2, {{"Y", Imf::HALF, y}, {"id", Imf::UINT, values}});
+  };
   put(a, grey(values));
   values[6] = 10.0f;
   put(b, grey(values));
@@ -414,8 +418,10 @@ TEST_F(compare_command_test, images_are_never_written_over) {
   fs::rename(a, image);
   expect_refused(run_oclair({"compare", image, image, "--png", image}), 2, image, "is another output or an input");
   expect_refused(run_oclair({"compare", image, image, "--json", image}), 2, image, "is another output or an input");
-  expect_refused(run_oclair({"compare", image, image, "--json", png, "--png", png}), 2, png, "is another output or an input");
-  expect_refused(run_oclair({"compare", b, b, "--reference", image, "--json", image}), 2, image, "is another output or an input");
+  expect_refused(run_oclair({"compare", image, image, "--json", png, "--png", png}), 2, png,
+                 "is another output or an input");
+  expect_refused(run_oclair({"compare", b, b, "--reference", image, "--json", image}), 2, image,
+                 "is another output or an input");
   EXPECT_EQ(content(image), before);
 }
 

@@ -13,9 +13,10 @@ namespace fs = std::filesystem;
 
 const fs::path scene = fs::path(OCLAIR_TEST_DIRECTORY).parent_path() / "scenes" / "cornell.xml";
 
-void render(const fs::path& from, const fs::path& image, int seed, int spp, const std::string& size, const std::string& sampler) {
-  const ProgramResult result = run_oclair({"render", from.string(), "-o", image.string(), "--seed", std::to_string(seed), "--spp",
-                                           std::to_string(spp), "--size", size, "--sampler", sampler});
+void render(const fs::path& from, const fs::path& image, int seed, int spp, const std::string& size,
+            const std::string& sampler) {
+  const ProgramResult result = run_oclair({"render", from.string(), "-o", image.string(), "--seed", std::to_string(seed),
+                                           "--spp", std::to_string(spp), "--size", size, "--sampler", sampler});
   ASSERT_EQ(result.exit, 0) << result.err;
 }
 
@@ -36,7 +37,8 @@ TEST(compare_image, renders_of_other_seeds_and_numbers_of_samples_are_not_differ
     }
 }
 
-// All light comes from one lamp. `weighted` sees the whole picture, `pixel` those in which the lamp itself is seen, without noise.
+// All light comes from one lamp. `weighted` sees the whole picture, `pixel` those in which the lamp itself is seen, without
+// noise.
 TEST(compare_image, a_lamp_that_is_half_a_percent_brighter_is_found) {
   const TemporaryDirectory directory;
   const fs::path brighter = directory / "brighter.xml", a = directory / "a.exr", b = directory / "b.exr";

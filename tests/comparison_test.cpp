@@ -29,6 +29,20 @@ TEST(comparison_test, an_image_that_is_brighter_by_a_constant_has_its_closed_for
   EXPECT_EQ(compare(r, x).signed_mean, -0.0625);
 }
 
+// 1 / 0.01; 4 / (1 + 0.01); the floats are exact, the figures have three roundings.
+TEST(comparison_test, relative_errors_have_a_floor_that_is_0_01) {
+  EXPECT_NEAR(compare(std::vector{1.0f}, std::vector{0.0f}).relative_mse, 100.0, 100.0 * 0x1p-51);
+  EXPECT_NEAR(compare(std::vector{3.0f}, std::vector{1.0f}).relative_mse, 4.0 / 1.01, 4.0 * 0x1p-51);
+  EXPECT_EQ(compare(std::vector{3.0f}, std::vector{1.0f}).smape, 0.5);
+  EXPECT_EQ(compare(std::vector{1.0f}, std::vector{0.0f}).smape, 1.0);
+}
+
+TEST(comparison_test, the_largest_difference_is_the_first_of_its_size) {
+  const Metrics m = compare(std::vector{1.0f, 2.0f, 9.0f, 4.0f}, std::vector{1.0f, 4.0f, 9.0f, 2.0f});
+  EXPECT_EQ(m.maximum, 2.0);
+  EXPECT_EQ(m.maximum_at, 1u);
+}
+
 TEST(comparison_test, equal_images_have_no_error_and_black_ones_agree) {
   const std::vector<float> r = {0.0f, 1.0f, 3e38f, 1e-45f};
   const Metrics m = compare(r, r);
@@ -57,7 +71,8 @@ TEST(comparison_test, quantiles_are_the_values_of_their_rank) {
 
 // 3-4-5 triangles.
 TEST(comparison_test, deviations_are_in_units_of_both_errors) {
-  const std::vector<float> a = {15.0f, 1.0f, 7.0f}, b = {5.0f, 1.5f, 7.0f}, sa = {3.0f, 0.0f, 0.0f}, sb = {4.0f, 0.25f, 0.0f};
+  const std::vector<float> a = {15.0f, 1.0f, 7.0f}, b = {5.0f, 1.5f, 7.0f}, sa = {3.0f, 0.0f, 0.0f},
+                           sb = {4.0f, 0.25f, 0.0f};
   const Quantiles z = deviations(a, b, sa, sb);
   EXPECT_EQ(z.maximum, 2.0);
   EXPECT_EQ(z.median, 2.0);  // of two: the third has no error

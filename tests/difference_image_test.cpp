@@ -27,8 +27,8 @@ Bytes picture(const std::vector<float>& differences, double scale) {
 
 }  // namespace
 
-// Ends and middle are those of docs/compare.md; a fifth of the way is 225 - 11, 225 - 45, 225 - 39.8, and 225 - 45, 225 - 31,
-// 225 - 7.4.
+// Ends and middle are those of docs/compare.md; a fifth of the way is 225 - 11, 225 - 45, 225 - 39.8, and 225 - 45, 225 -
+// 31, 225 - 7.4.
 TEST(difference_image_test, differences_are_red_above_zero_and_blue_below_in_proportion_to_their_size) {
   EXPECT_EQ(picture({0.0f, 4.0f, -4.0f}, 4.0), (Bytes{225, 225, 225, 170, 0, 26, 0, 70, 188}));
   EXPECT_EQ(picture({-0.0f, 0.8f, -0.8f}, 4.0), (Bytes{225, 225, 225, 214, 180, 185, 180, 194, 218}));
@@ -74,8 +74,10 @@ TEST(difference_image_test, a_row_that_png_does_not_take_is_a_failure_of_output)
 
 // Rec. ITU-R BT.709: 0.2126 R + 0.7152 G + 0.0722 B, signed.
 TEST(difference_image_test, luminance_differences_are_signed_and_weigh_the_channels) {
-  const std::vector<float> a = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 2.0f, 2.0f, 2.0f, infinity, 0.0f, 0.0f},
-                           b = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f, 3.0f, 3.0f, infinity, 0.0f, 0.0f};
+  const std::vector<float> a = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f,     0.0f, 0.0f, 0.0f,
+                                1.0f, 2.0f, 2.0f, 2.0f, infinity, 0.0f, 0.0f},
+                           b = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f,     0.0f, 0.0f, 0.0f,
+                                0.0f, 3.0f, 3.0f, 3.0f, infinity, 0.0f, 0.0f};
   const std::vector<float> d = luminance_differences(a, b);
   ASSERT_EQ(d.size(), 5u);
   EXPECT_EQ(d[0], 0.2126f);

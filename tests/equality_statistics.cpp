@@ -1,5 +1,5 @@
-// How often the test of equality calls images different that are equal, whose replicas have known distributions, and whether it finds
-// what is planted.
+// How often the test of equality calls images different that are equal, whose replicas have known distributions, and whether
+// it finds what is planted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,8 +49,10 @@ ImagePlanes image(std::uint64_t width, std::uint64_t height, std::uint64_t n, co
   return image;
 }
 
-ImagePlanes image(std::uint64_t width, std::uint64_t height, std::uint64_t n, const Law& law, Random& random, double factor = 1.0) {
-  return image(width, height, n, std::to_string(random.engine()), [&](std::size_t, std::size_t) { return factor * law(random); });
+ImagePlanes image(std::uint64_t width, std::uint64_t height, std::uint64_t n, const Law& law, Random& random,
+                  double factor = 1.0) {
+  return image(width, height, n, std::to_string(random.engine()),
+               [&](std::size_t, std::size_t) { return factor * law(random); });
 }
 
 // Whether a rate of alpha gives so many of the runs, or more, with a probability of at most the significance: the binomial
@@ -69,8 +71,8 @@ struct Counts {
 };
 
 // How often they are called different, out of so many runs, must not be more often than the rates say.
-void expect_few_alarms(const std::vector<std::pair<const char*, Law>>& laws, const std::vector<Counts>& counts, std::size_t tests,
-                       const std::string& other_sampler, std::uint64_t seed) {
+void expect_few_alarms(const std::vector<std::pair<const char*, Law>>& laws, const std::vector<Counts>& counts,
+                       std::size_t tests, const std::string& other_sampler, std::uint64_t seed) {
   constexpr int runs = 400;
   const int comparisons = static_cast<int>(2 * laws.size() * counts.size());
   Random random(seed);
@@ -87,8 +89,10 @@ void expect_few_alarms(const std::vector<std::pair<const char*, Law>>& laws, con
         at_1e3 += equality.differs(1e-3);
         at_5e2 += equality.differs(0.05);
       }
-      EXPECT_FALSE(too_many(at_1e3, runs, 1e-3, comparisons)) << name << ", " << na << " and " << nb << " replicas: " << at_1e3;
-      EXPECT_FALSE(too_many(at_5e2, runs, 0.05, comparisons)) << name << ", " << na << " and " << nb << " replicas: " << at_5e2;
+      EXPECT_FALSE(too_many(at_1e3, runs, 1e-3, comparisons))
+          << name << ", " << na << " and " << nb << " replicas: " << at_1e3;
+      EXPECT_FALSE(too_many(at_5e2, runs, 0.05, comparisons))
+          << name << ", " << na << " and " << nb << " replicas: " << at_5e2;
     }
 }
 
@@ -101,8 +105,8 @@ TEST(equality_statistics, equal_images_are_called_different_no_oftener_than_the_
   expect_few_alarms(laws, {{2, 2}, {4, 4}, {16, 16}}, 4, "", 1);
 }
 
-// With fireflies a normal approximation calls 28 of 100 pairs of 2 and 32 replicas different at the rate 1e-3: there the image of fewer
-// samples often has none.
+// With fireflies a normal approximation calls 28 of 100 pairs of 2 and 32 replicas different at the rate 1e-3: there the
+// image of fewer samples often has none.
 TEST(equality_statistics, nor_are_equal_images_of_different_numbers_of_samples) {
   expect_few_alarms(laws, {{2, 32}, {4, 5}, {16, 2}}, 3, "", 6);
 }
@@ -111,13 +115,14 @@ TEST(equality_statistics, nor_are_images_of_unlike_samplers_whose_means_are_near
   expect_few_alarms({{"gaussian", gaussian}, {"two values", two_values}}, {{2, 2}, {4, 16}, {16, 16}}, 2, "another", 7);
 }
 
-// The replicas of four values of a row of pixels are given. Of all ways to tell which of them are A's, a share of p at most may have
-// the bound p, for each test: with as many in B 6^4 ways, else 10^4.
+// The replicas of four values of a row of pixels are given. Of all ways to tell which of them are A's, a share of p at most
+// may have the bound p, for each test: with as many in B 6^4 ways, else 10^4.
 TEST(equality_statistics, of_all_ways_to_draw_the_replicas_a_share_of_p_at_most_has_the_bound_p) {
   constexpr std::size_t pixels = 4;
   Random random(8);
   for (const std::size_t nb : {2u, 3u})
-    for (const Law& law : {gaussian, two_values, fireflies, Law([](Random& r) { return r.unit() < 0.3 ? 50.0 + r.unit() : r.unit(); })}) {
+    for (const Law& law :
+         {gaussian, two_values, fireflies, Law([](Random& r) { return r.unit() < 0.3 ? 50.0 + r.unit() : r.unit(); })}) {
       std::vector<double> pool(3 * pixels * (2 + nb));
       for (double& value : pool) value = law(random);
       std::vector<std::pair<std::size_t, std::size_t>> draws;  // the two of A
@@ -158,14 +163,17 @@ TEST(equality_statistics, with_different_numbers_a_difference_is_in_units_of_its
   const std::vector<double> pool = {1.0, 4.0, 2.0, 8.0, 16.0};
   double squares = 0.0;
   const double sum = std::accumulate(pool.begin(), pool.end(), 0.0);
-  const auto difference = [&](std::size_t i, std::size_t j) { return (pool[i] + pool[j]) / 2.0 - (sum - pool[i] - pool[j]) / 3.0; };
+  const auto difference = [&](std::size_t i, std::size_t j) {
+    return (pool[i] + pool[j]) / 2.0 - (sum - pool[i] - pool[j]) / 3.0;
+  };
   for (std::size_t i = 0; i < 5; ++i)
     for (std::size_t j = i + 1; j < 5; ++j) squares += difference(i, j) * difference(i, j) / 10.0;
   const ImagePlanes a = image(1, 1, 2, "1", [&](std::size_t, std::size_t k) { return pool[k]; });
   const ImagePlanes b = image(1, 1, 3, "2", [&](std::size_t, std::size_t k) { return pool[2 + k]; });
   const Equality equality = test_equality(a, b);
   ASSERT_EQ(equality.tests[1].name, "weighted");
-  EXPECT_NEAR(equality.tests[1].statistic, difference(0, 1) / std::sqrt(squares), 1e-6);  // values and errors are rounded to float
+  EXPECT_NEAR(equality.tests[1].statistic, difference(0, 1) / std::sqrt(squares),
+              1e-6);  // values and errors are rounded to float
   EXPECT_NEAR(equality.tests[0].statistic, equality.tests[1].statistic, 1e-12);
 }
 
@@ -181,8 +189,8 @@ TEST(equality_statistics, which_image_is_first_changes_the_sign_alone) {
   }
 }
 
-// 4096 values of a channel, 16 replicas each with deviation 0.1: the mean of the difference to as many replicas, or to twice as many,
-// has the deviation 0.1 sqrt(1/16 + 1/16) / 64 = 0.00055, or 0.00048: 0.005 is 9 of them, or 10.
+// 4096 values of a channel, 16 replicas each with deviation 0.1: the mean of the difference to as many replicas, or to twice
+// as many, has the deviation 0.1 sqrt(1/16 + 1/16) / 64 = 0.00055, or 0.00048: 0.005 is 9 of them, or 10.
 TEST(equality_statistics, a_bias_of_half_a_percent_is_found) {
   Random random(2);
   const Law law = [](Random& r) { return 1.0 + 0.1 * normal(r); };
@@ -207,6 +215,65 @@ TEST(equality_statistics, a_pattern_without_a_mean_is_found) {
   const Equality equality = test_equality(a, b);
   EXPECT_EQ(equality.tests[2].name, "pattern");
   EXPECT_LT(equality.tests[2].p, 1e-4);
+}
+
+// 128 blocks of 8x8 pixels are brighter and darker in turn by 0.15 of the noise of a difference, 0.1 sqrt(2/16). Products of
+// neighbours have the mean 3 0.15^2 and the deviation sqrt(3): 2.5 deviations in 4096. Those of two halves of a block have
+// the mean 3 (32 0.15)^2 = 69 and the deviation 87: 128 of them are sqrt(128) 69 / hypot(69, 87) = 7 deviations of random
+// signs.
+TEST(equality_statistics, a_faint_pattern_of_blocks_is_found) {
+  Random random(12);
+  const Law law = [](Random& r) { return 1.0 + 0.1 * normal(r); };
+  const ImagePlanes a = image(128, 64, 16, law, random);
+  ImagePlanes b = image(128, 64, 16, law, random);
+  const auto sign = [](std::size_t pixel) { return (pixel % 128 / 8 + pixel / 128 / 8) % 2 == 0 ? 1.0 : -1.0; };
+  for (std::size_t i = 0; i < b.values.size(); ++i)
+    b.values[i] += static_cast<float>(sign(i / 3) * 0.15 * 0.1 * std::sqrt(2.0 / 16.0));
+  const Equality equality = test_equality(a, b);
+  EXPECT_EQ(equality.tests[2].name, "pattern");
+  EXPECT_LT(equality.tests[2].p, 1e-6);
+  EXPECT_GT(equality.tests[2].statistic, 0.0);
+}
+
+// Of 64 replicas of each of six values half are 1 and half -1; in B one value is 0.9 more, so that the replicas of neither
+// image are above the others. z = 64 0.9 / sqrt(2 S), S the sum of squares around the common mean.
+TEST(equality_statistics, a_pixel_that_is_far_off_has_the_bound_of_random_pairs) {
+  constexpr std::uint64_t n = 64;
+  const auto replica = [](std::size_t, std::size_t k) { return k % 2 ? 1.0 : -1.0; };
+  const ImagePlanes a = image(2, 1, n, "1", replica);
+  const ImagePlanes b =
+      image(2, 1, n, "2", [&](std::size_t i, std::size_t k) { return replica(i, k) + (i == 4 ? 0.9 : 0.0); });
+  const double squares = 2.0 * n + 2.0 * n * 0.45 * 0.45, z = n * 0.9 / std::sqrt(2.0 * squares);
+  const EqualityTest pixel = test_equality(a, b).tests[3];
+  EXPECT_EQ(pixel.name, "pixel");
+  EXPECT_EQ(pixel.statistic, 0.0);  // none is apart
+  // Better of two bounds, six values, and 3.178 (2 P(Z >= z)); float: z is off by some 2^-22, its tail by z^2 times that.
+  EXPECT_NEAR(pixel.p, 2.0 * 6.0 * sign_tail(z), 1e-4 * pixel.p);
+  EXPECT_LT(pixel.p, 0.1);
+}
+
+// A's replicas are 1 and 1, B's 0, 0 and 0, in eight pixels: squares around the mean of five are 6/5, the variance of a
+// difference 6/5 5/(6 4) = 1/4. None is larger than 1 = 2 deviations.
+TEST(equality_statistics, with_different_numbers_the_bound_is_bernsteins) {
+  const ImagePlanes a = image(8, 1, 2, "1", [](std::size_t, std::size_t) { return 1.0; });
+  const ImagePlanes b = image(8, 1, 3, "2", [](std::size_t, std::size_t) { return 0.0; });
+  const Equality equality = test_equality(a, b);
+  const double bound = 2.0 * std::exp(-8.0 * 8.0 / (2.0 * (8.0 / 4.0 + 1.0 * 8.0 / 3.0)));
+  EXPECT_NEAR(equality.tests[0].p, 3.0 * bound, 1e-6 * bound);
+  EXPECT_NEAR(equality.tests[1].p, 3.0 * bound, 1e-6 * bound);
+}
+
+TEST(equality_statistics, p_is_the_smallest_of_the_tests_times_their_number) {
+  Random random(13);
+  for (const std::uint64_t n : {8u, 9u}) {
+    const Equality equality = test_equality(image(9, 9, 8, exponential, random), image(9, 9, n, exponential, random, 1.3));
+    double smallest = 1.0;
+    for (const EqualityTest& test : equality.tests) smallest = std::min(smallest, test.p);
+    EXPECT_EQ(equality.p, static_cast<double>(equality.tests.size()) * smallest);
+    EXPECT_LT(equality.p, 1.0);
+    EXPECT_TRUE(equality.differs(1.01 * equality.p));
+    EXPECT_FALSE(equality.differs(equality.p));
+  }
 }
 
 TEST(equality_statistics, one_pixel_without_noise_that_differs_is_found_with_enough_replicas_only) {
@@ -277,7 +344,8 @@ TEST(equality_statistics, the_tail_of_sums_of_signs_is_never_less_than_the_exact
       }
       std::sort(sums.rbegin(), sums.rend());
       for (std::size_t k = 0; k < sums.size(); ++k)
-        ASSERT_GE(sign_tail(sums[k] - 1e-9), static_cast<double>(k + 1) / static_cast<double>(sums.size())) << n << " " << sums[k];
+        ASSERT_GE(sign_tail(sums[k] - 1e-9), static_cast<double>(k + 1) / static_cast<double>(sums.size()))
+            << n << " " << sums[k];
     }
 }
 

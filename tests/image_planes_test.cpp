@@ -1,4 +1,5 @@
-// Images as `oclair compare` reads them: what is taken of a file, and that a broken one takes neither memory nor the program.
+// Images as `oclair compare` reads them: what is taken of a file, and that a broken one takes neither memory nor the
+// program.
 #include "../host/image_planes.h"
 
 #include <ImfRgbaFile.h>
@@ -101,7 +102,8 @@ TEST(image_planes_test, reads_tiles_and_luminance_beside_coarser_chroma) {
   }
   const ImagePlanes tiles = read_image_planes(directory / "a.exr");
   ASSERT_EQ(tiles.values.size(), 21000u);
-  for (std::size_t i = 0; i < 21000; ++i) ASSERT_EQ(tiles.values[i], i == 3 * 4299 + 1 ? 5.0f : static_cast<float>(i % 3 + 1)) << i;
+  for (std::size_t i = 0; i < 21000; ++i)
+    ASSERT_EQ(tiles.values[i], i == 3 * 4299 + 1 ? 5.0f : static_cast<float>(i % 3 + 1)) << i;
   {
     Imf::RgbaOutputFile file((directory / "a.exr").c_str(), 300, 200, Imf::WRITE_YC);
     const std::vector<Imf::Rgba> pixels(300 * 200, Imf::Rgba(0.5f, 0.5f, 0.5f));

@@ -26,8 +26,8 @@ struct CompareOptions {
 
 // What was found, for machines and for people.
 struct Findings {
-  std::int64_t x = 0, y = 0;          // of the first pixel, from the corner of the film
-  std::uint64_t width = 0;            // pixels
+  std::int64_t x = 0, y = 0;  // of the first pixel, from the corner of the film
+  std::uint64_t width = 0;    // pixels
   std::vector<std::string> channels;
   Metrics difference;
   std::optional<Metrics> a_error, b_error;  // against the reference
@@ -50,7 +50,8 @@ std::string channel_text(const ImagePlanes& image) {
 
 void require_alike(const fs::path& path, const ImagePlanes& image, const fs::path& first_path, const ImagePlanes& first) {
   const auto refuse = [&](const std::string& has, const std::string& expected) {
-    throw Error(Exit::scene, path.string() + ": has " + has + ", expected " + expected + " as " + first_path.string() + " has");
+    throw Error(Exit::scene,
+                path.string() + ": has " + has + ", expected " + expected + " as " + first_path.string() + " has");
   };
   if (size_text(image) != size_text(first)) refuse(size_text(image), size_text(first));
   if (image.channels != first.channels) refuse("the channels " + channel_text(image), channel_text(first));
@@ -85,7 +86,7 @@ Place place_of(std::uint64_t value, const Findings& found) {
 }
 
 Json json_of(const Metrics& m, const Findings& found) {
-  Json json = {{"values", m.values}, {"notFinite", m.left_out},    {"mean", m.mean},   {"signedMean", m.signed_mean},
+  Json json = {{"values", m.values}, {"notFinite", m.left_out},  {"mean", m.mean},   {"signedMean", m.signed_mean},
                {"mse", m.mse},       {"relMSE", m.relative_mse}, {"smape", m.smape}, {"maximum", m.maximum}};
   if (m.maximum > 0.0) {
     const Place place = place_of(m.maximum_at, found);
@@ -122,14 +123,15 @@ std::string json_text(const Findings& found, const CompareOptions& options) {
 }
 
 void print(const std::string& name, const Metrics& m, const Findings& found, std::ostream& out) {
-  out << name << ": signed mean " << m.signed_mean << " (of " << m.mean << "), MSE " << m.mse << ", relMSE " << m.relative_mse
-      << ", SMAPE " << m.smape << ", maximum " << m.maximum;
+  out << name << ": signed mean " << m.signed_mean << " (of " << m.mean << "), MSE " << m.mse << ", relMSE "
+      << m.relative_mse << ", SMAPE " << m.smape << ", maximum " << m.maximum;
   if (m.maximum > 0.0) {
     const Place place = place_of(m.maximum_at, found);
     out << " in " << place.channel << " at " << place.x << "," << place.y;
   }
   out << "\n";
-  if (m.left_out > 0) out << name << ": " << m.left_out << " of " << m.values + m.left_out << " values are not finite, and left out\n";
+  if (m.left_out > 0)
+    out << name << ": " << m.left_out << " of " << m.values + m.left_out << " values are not finite, and left out\n";
 }
 
 void print(const Equality& equality, double alpha, std::ostream& out) {
@@ -137,7 +139,8 @@ void print(const Equality& equality, double alpha, std::ostream& out) {
     out << "no test is possible: " << equality.impossible << "\n";
     return;
   }
-  for (const EqualityTest& test : equality.tests) out << "test " << test.name << ": p " << test.p << ", statistic " << test.statistic << "\n";
+  for (const EqualityTest& test : equality.tests)
+    out << "test " << test.name << ": p " << test.p << ", statistic " << test.statistic << "\n";
   for (const std::string& test : equality.left_out) out << "left out, test " << test << "\n";
   out << (equality.differs(alpha) ? "they differ significantly" : "no significant difference") << ": p " << equality.p
       << ", false-alarm rate " << (equality.approximate.empty() ? "at most " : "about ") << alpha;
@@ -201,7 +204,8 @@ Exit run(const CompareOptions& options) {
 
 Command compare_command(CLI::App& program) {
   const auto options = std::make_shared<CompareOptions>();
-  CLI::App& line = *program.add_subcommand("compare", "Says how far two OpenEXR images are apart, and whether more than their noise is");
+  CLI::App& line =
+      *program.add_subcommand("compare", "Says how far two OpenEXR images are apart, and whether more than their noise is");
   line.add_option("A", options->a, "an image")->required()->type_name("A.exr");
   line.add_option("B", options->b, "another one of the same size")->required()->type_name("B.exr");
   line.add_option("--reference", options->reference, "judge both by a third image, too")->type_name("R.exr");

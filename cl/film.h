@@ -45,6 +45,12 @@ INLINE void film_accumulate(__global ulong *sum, int limbs, ulong value, int shi
   }
 }
 
+// The sample, scaled down so that no channel is above the limit: its hue stays. What the film would reject stays as it is.
+INLINE float3 film_clamped(float3 radiance, float limit) {
+  float largest = max_component(radiance);
+  return largest > limit && largest <= FLT_MAX ? radiance * (limit / largest) : radiance;
+}
+
 // Adds one sample to a pixel, or counts it as rejected: one bad sample must not spoil the pixel for ever.
 OUT_OF_LINE void film_add(__global FilmPixel *pixel, __global FilmMoments *moments, float3 radiance, bool hit, int exponent) {
   float channel[3] = {radiance.x, radiance.y, radiance.z};

@@ -2,6 +2,7 @@
 #ifndef OCLAIR_MIS_H
 #define OCLAIR_MIS_H
 
+#include "features.h"
 #include "vector.h"
 
 // Weight of the strategy with density a against one with density b: a^2 / (a^2 + b^2), by ratios, so that it neither
@@ -15,6 +16,21 @@ INLINE float mis_power(float a, float b) {
   if (a == b) return 0.5f;
   float r = a / b;
   return r * r / fma(r, r, 1.0f);
+}
+
+// Weight of light that a path has found by scattering with density `scattering` > 0 where sampling the lights has density `light`.
+// With one strategy alone it has all that it can find.
+INLINE float mis_scattering_weight(float scattering, float light) {
+  if (APPROXIMATES(BSDF_SAMPLING)) return 1.0f;
+  if (APPROXIMATES(LIGHT_SAMPLING)) return light > 0.0f ? 0.0f : 1.0f;
+  return mis_power(scattering, light);
+}
+
+// And of light that was found by sampling the lights with density `light` > 0.
+INLINE float mis_light_weight(float light, float scattering) {
+  if (APPROXIMATES(BSDF_SAMPLING)) return scattering > 0.0f ? 0.0f : 1.0f;
+  if (APPROXIMATES(LIGHT_SAMPLING)) return 1.0f;
+  return mis_power(light, scattering);
 }
 
 #endif

@@ -13,7 +13,7 @@ OUT_OF_LINE ulong render_pixel(const Scene *scene, Pixel pixel, __global FilmPix
     uint traced = 0;
     PathState path = path_trace(scene, pixel.x, pixel.y, &sampler, &traced);
     rays += traced;
-    film_add(film, moments, unpack3(path.radiance), path.hit_anything, settings->film_exponent);
+    film_add(film, moments, path_sample(&path, settings), path.hit_anything, settings->film_exponent);
     film_end_sample(film, errors, first_sample + i);
   }
   return rays;

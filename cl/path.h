@@ -34,7 +34,7 @@ INLINE PathState path_begin(const Scene *scene, uint x, uint y, const Sampler *s
 
 // Emitted light that the path's own ray found, weighted against light sampling, which could have found it too.
 INLINE void path_add_emission(PathState *path, float3 emitted, float light_pdf) {
-  float weight = path->pdf > 0.0f ? mis_power(path->pdf, light_pdf) : 1.0f;
+  float weight = path->pdf > 0.0f ? mis_scattering_weight(path->pdf, light_pdf) : 1.0f;
   path->radiance = pack3(unpack3(path->radiance) + unpack3(path->throughput) * emitted * weight);
 }
 
@@ -119,7 +119,7 @@ INLINE ShadowRay path_shadow_ray(const Scene *scene, const PathState *path, cons
       light_sample(scene, &light, origin, sampler_bits(sampler, dimension_of_vertex(path->depth, DIMENSION_LIGHT_POINT)));
   float3 wi = frame_to_local(surface->frame, sample.direction);
   if (!(wi.z > 0.0f) || !(dot(surface->geometric, sample.direction) > 0.0f)) return shadow;
-  float weight = sample.pdf > 0.0f ? mis_power(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
+  float weight = sample.pdf > 0.0f ? mis_light_weight(sample.pdf, bsdf_pdf(material, wi)) : 1.0f;
   shadow.contribution = pack3(unpack3(path->throughput) * bsdf_eval(material, wo, wi) * sample.weight * weight);
   shadow.ray.origin = pack3(origin);
   shadow.ray.direction = pack3(sample.direction);
@@ -235,6 +235,12 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const 
     path_pass(&ray, hit);
   }
   return 0.0f;
+}
+
+// What the film gets of a path that has ended.
+INLINE float3 path_sample(const PathState *path, __global const Settings *settings) {
+  float3 radiance = unpack3(path->radiance);
+  return APPROXIMATES(CLAMP) ? film_clamped(radiance, settings->clamp) : radiance;
 }
 
 // A whole path: radiance along the camera ray of one sample. *rays counts the traversals.

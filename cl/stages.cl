@@ -58,7 +58,7 @@ STAGE accumulate(SCENE_ARGUMENTS, __global const PathState *paths, __global Film
   const Pixel pixel = pixel_from_index(scene.settings, base + (uint)get_global_id(0));
   if (!pixel.inside) return;
   PathState path = paths[get_global_id(0)];
-  film_add(film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0, unpack3(path.radiance), path.hit_anything,
+  film_add(film + pixel.index, HAS(MOMENTS) ? moments + pixel.index : 0, path_sample(&path, settings), path.hit_anything,
            settings->film_exponent);
   film_end_sample(film + pixel.index, errors + pixel.index, sample);
 }

@@ -34,6 +34,12 @@ std::string date_text(std::int64_t date) {
   return {text, std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &parts)};
 }
 
+// The fewest digits that give the float back.
+std::string shortest(float number) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
+
 std::string seconds_text(const std::vector<std::pair<std::string, double>>& phases) {
   std::string all;
   for (const auto& [phase, seconds] : phases) {
@@ -60,6 +66,7 @@ std::string approximation_names(const Scene& scene) {
   if (scene.approximations & APPROXIMATION_##name) append_word(names, description);
   APPROXIMATION_LIST(APPROXIMATION_NAME)
 #undef APPROXIMATION_NAME
+  if (scene.approximations & APPROXIMATION_CLAMP) names.insert(names.find("clamp") + 5, "=" + shortest(scene.settings.clamp));
   if (scene.features & FEATURE_OREN_NAYAR_FAST) append_word(names, "oren_nayar=qualitative");
   return names.empty() ? "none" : names;
 }

@@ -15,7 +15,8 @@ Exit run(int argc, char** argv) {
   CLI::App program("A physically based path tracer whose kernels are OpenCL C.", "oclair");
   program.set_version_flag("--version", "oclair " OCLAIR_VERSION);
   const Command commands[] = {render_command(program), merge_command(program), info_command(program), devices_command(program),
-                              bench_command(program), selftest_command(program), compare_command(program)};
+                              bench_command(program), tune_command(program), selftest_command(program),
+                              compare_command(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -27,7 +28,7 @@ Exit run(int argc, char** argv) {
   for (const Command& command : commands) {
     if (command.line->parsed()) return command.run();
   }
-  throw Error(Exit::usage, "a command is required: render, merge, info, devices, bench, selftest or compare (see oclair --help)");
+  throw Error(Exit::usage, "a command is required: render, merge, info, devices, bench, tune, selftest or compare (see oclair --help)");
 }
 
 // A closed standard stream is one that nobody reads. Its number must not go to the next file that is opened, by the OpenCL driver say.

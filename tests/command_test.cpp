@@ -57,7 +57,7 @@ TEST(command_test, a_wrong_command_line_exits_with_2_and_one_line_of_what_was_gi
   const std::string count = "expected a whole number from 1 to 8589934592";
   const std::string size = "expected WIDTHxHEIGHT, both from 1 to 65536";
   const UsageError errors[] = {
-      {{}, "a command is required: render, merge, info, devices, bench, selftest or compare"},
+      {{}, "a command is required: render, merge, info, devices, bench, tune, selftest or compare"},
       {{"paint"}, "paint"},
       {{"render"}, "SCENE is required"},
       {{"render", "a.xml", "b.xml"}, "b.xml"},

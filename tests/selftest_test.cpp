@@ -211,7 +211,7 @@ TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
       {"textures", {"texture.h", "(uint)clamp(convert_int_sat(x), 0, (int)n - 1)", "(uint)convert_int_sat(x)"}},
       {"accuracy", {"selftest.cl", "1.0f / v.y, sqrt(v.x)", "1.0f / v.y, 1.0f / rsqrt(v.x)"}},
       {"render",
-       {"path.h", "float weight = path->pdf > 0.0f ? mis_power(path->pdf, light_pdf) : 1.0f;", "float weight = 1.0f;"}},
+       {"path.h", "float weight = path->pdf > 0.0f ? mis_scattering_weight(path->pdf, light_pdf) : 1.0f;", "float weight = 1.0f;"}},
   };
   for (const Fault& fault : faults) expect_failures(with_changes({fault.change}, fault.group), {fault.group});
 }

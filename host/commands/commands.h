@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "../../cl/features.h"
 #include "../aov.h"
+#include "../choices.h"
 #include "../error.h"
 #include "../reader.h"
 #include "../tev.h"
@@ -30,10 +30,8 @@ struct RenderOptions {
   std::optional<std::uint64_t> samples_per_pixel;
   std::optional<glm::uvec2> size;
   std::optional<std::uint64_t> seed;
-  std::optional<unsigned> max_depth;
-  std::optional<SamplerKind> sampler;
-  Approximations approximations = 0;
-  bool exact_kernel = false;
+  Choices choices;
+  std::optional<std::filesystem::path> settings;  // file of choices; those above go before
   std::size_t device_memory = FilmLimits().on_device, host_memory = FilmLimits().in_memory;  // bytes of film there, at most
   Aovs aovs;
 
@@ -72,6 +70,7 @@ Command merge_command(CLI::App& program);
 Command info_command(CLI::App& program);
 Command devices_command(CLI::App& program);
 Command bench_command(CLI::App& program);
+Command tune_command(CLI::App& program);
 Command selftest_command(CLI::App& program);
 Command compare_command(CLI::App& program);
 

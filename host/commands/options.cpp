@@ -60,6 +60,15 @@ void add_device(CLI::App& line, std::string& device) {
       ->type_name("DEVICE");
 }
 
+void add_choices(CLI::App& line, Choices& chosen) {
+  for (const Choice& choice : choices()) {
+    const std::string option = std::string("--") + choice.name;
+    line.add_option_function<std::string>(option, [&chosen, &choice, option](const std::string& given) { choice.set(chosen, given, option); },
+                                          choice.description)
+        ->type_name(choice.values);
+  }
+}
+
 void add_host_memory(CLI::App& line, std::size_t& bytes) {
   line.add_option_function<std::string>(
           "--host-memory",
@@ -74,18 +83,6 @@ std::uint64_t whole_number(const std::string& option, const std::string& given, 
     refuse(option, given, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
   }
   return *number;
-}
-
-Approximations fresnel(const std::string& option, const std::string& given) {
-  if (given == "exact") return 0;
-  if (given == "schlick") return APPROXIMATION_SCHLICK;
-  refuse(option, given, "exact or schlick");
-}
-
-bool exact_kernel(const std::string& option, const std::string& given) {
-  if (given == "shared") return false;
-  if (given == "exact") return true;
-  refuse(option, given, "shared or exact");
 }
 
 Aovs aovs(const std::string& option, const std::string& given) {
@@ -104,12 +101,6 @@ Aovs aovs(const std::string& option, const std::string& given) {
     begin = end + 1;
   }
   return wanted;
-}
-
-SamplerKind sampler(const std::string& option, const std::string& given) {
-  for (const SamplerKind kind : {SAMPLER_INDEPENDENT, SAMPLER_SOBOL})
-    if (given == name_of(kind)) return kind;
-  refuse(option, given, "independent or sobol");
 }
 
 double duration(const std::string& option, const std::string& given) {

@@ -7,6 +7,7 @@
 #include "../checkpoint_lock.h"
 #include "../file_aside.h"
 #include "../scene_hash.h"
+#include "../settings_file.h"
 #include "../signals.h"
 #include "../stopping.h"
 #include "commands.h"
@@ -50,8 +51,6 @@ class Phases {
 void apply(const RenderOptions& options, World& world) {
   if (options.samples_per_pixel) world.samples_per_pixel = *options.samples_per_pixel;
   if (options.seed) world.seed = *options.seed;
-  if (options.max_depth) world.integrator.max_depth = *options.max_depth;
-  if (options.sampler) world.sampler = *options.sampler;
   world.keep_uvs = options.aovs.uv;
 }
 
@@ -82,6 +81,7 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"seed", std::to_string(settings.seed)},
           {"sampler", name_of(static_cast<SamplerKind>(settings.sampler))},
           {"max depth", std::to_string(settings.max_depth)},
+          {"rr depth", std::to_string(settings.rr_depth)},
           {"approximations", approximation_names(scene)}};
 }
 
@@ -151,8 +151,15 @@ std::string light_warning(const Settings& settings) {
          "expected more light";
 }
 
+// Of the settings file, with what was measured of its choices, for the image's header.
+std::string settings_text(const SettingsFile& settings) {
+  std::string text = text_of(settings.choices);
+  for (const auto& [name, value] : settings.measured) text += " " + name + "=" + value;
+  return one_line(text + " of " + settings.scene + " " + settings.scene_hash);
+}
+
 std::string options_text(const RenderOptions& options, const Scene& scene) {
-  std::string text = "maxDepth=" + std::to_string(scene.settings.max_depth);
+  std::string text = "maxDepth=" + std::to_string(scene.settings.max_depth) + " rrDepth=" + std::to_string(scene.settings.rr_depth);
   for (const auto& [name, value] : options.definitions) text += " -D" + name + "=" + value;
   return text;
 }
@@ -163,6 +170,8 @@ Exit render(const RenderOptions& options) {
   const double started = steady_seconds();
   const SignalHandlers handlers;
   reproducible_date();  // wrong ones are refused now
+  const std::optional<SettingsFile> settings = options.settings ? std::optional(read_settings(*options.settings)) : std::nullopt;
+  const Choices chosen = settings ? joined(settings->choices, options.choices) : options.choices;
   require_distinct(options.images, options.checkpoint, {options.scene});
   require_writable(options.images);
   const CheckpointLock lock(options.checkpoint);
@@ -190,19 +199,20 @@ Exit render(const RenderOptions& options) {
   apply(options, world);
   const SampleRange wanted = wanted_samples(options, world.samples_per_pixel);
   const std::string hash = scene_hash(world, options.definitions);
+  if (settings && settings->scene_hash != hash)
+    progress.warning(options.settings->string() + ": was measured on another scene, " + one_line(settings->scene) + ' ' +
+                     one_line(settings->scene_hash) + ": what it says of the bias need not hold for this one");
   Checkpoint state;
   state.head.film = world.film;
   state.head.moment_name = world.integrator.moment_name;
 
   phases.begin("BVH");
   Scene scene = place_scene(std::move(world));
-  // What the scene has no use for is neither compiled nor recorded.
-  constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
-  if (scene.features & with_fresnel) scene.approximations = options.approximations;
-  scene.exact_kernel = options.exact_kernel;
+  apply(chosen, scene);
   if (const std::string warning = light_warning(scene.settings); !warning.empty()) progress.warning(warning);
   state.identity = identity_of(scene, hash);
   state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), options_text(options, scene)}, scene, device);
+  if (settings) state.head.attributes.emplace_back("settings", settings_text(*settings));
   state.film.width = scene.settings.crop_width;
   state.film.height = scene.settings.crop_height;
   state.film.exponent = scene.settings.film_exponent;
@@ -213,7 +223,7 @@ Exit render(const RenderOptions& options) {
     if (const std::string warning = device_warning(options.checkpoint, earlier.head, state.head); !warning.empty())
       progress.warning(warning);
   }
-  const Bvh bvh = build_bvh(scene, device.bvh_width);
+  const Bvh bvh = build_bvh(scene, bvh_options(chosen, device.bvh_width));
   scene.positions = {};
   scene.triangles = {};
 

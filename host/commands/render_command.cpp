@@ -80,19 +80,14 @@ Command render_command(CLI::App& program) {
   line.option_defaults()->group("What is rendered");
   text("--size", "WIDTHxHEIGHT", "film in pixels", [o](Name name, Given given) { o->size = film_size(name, given); });
   number("--seed", 0, any, "seed of the random numbers", [o](std::uint64_t n) { o->seed = n; });
-  text("--sampler", "independent|sobol", "random numbers: independent ones, or scrambled Sobol points; default: sobol",
-       [o](Name name, Given given) { o->sampler = sampler(name, given); });
-  number("--max-depth", 0, std::numeric_limits<unsigned>::max(), "longest path, in segments; 1: directly visible light only",
-         [o](std::uint64_t n) { o->max_depth = static_cast<unsigned>(n); });
-  text("--fresnel", "exact|schlick", "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact",
-       [o](Name name, Given given) { o->approximations = fresnel(name, given); });
-  text("--kernels", "shared|exact",
-       "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared",
-       [o](Name name, Given given) { o->exact_kernel = exact_kernel(name, given); });
-
   number("--film-memory", 1, 1 << 24, "MiB that the film may take on the device: a larger one is there band by band; default: what there is",
          [o](std::uint64_t n) { o->device_memory = static_cast<std::size_t>(n) << 20; });
   add_host_memory(line, o->host_memory);
+
+  line.option_defaults()->group("What trades speed for accuracy, or noise for time (measured by oclair tune)");
+  add_choices(line, o->choices);
+  text("--settings", "FILE", "such options from a file of oclair tune; those on the command line go before",
+       [o](Name, Given given) { o->settings = given; });
 
   line.option_defaults()->group("When it ends: whichever comes first");
   number("--spp", 1, MAX_SAMPLES, "samples per pixel", [o](std::uint64_t n) { o->samples_per_pixel = n; });

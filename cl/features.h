@@ -44,12 +44,11 @@
   X(SOBOL, 32, ALONE, "Owen-scrambled Sobol sampling")
 
 // What a user may ask for in place of the accurate default (-DAPPROXIMATIONS=<bits>): name, bit, how the image's header calls it.
-// Sampling by one strategy alone is as accurate, only noisier.
-#define APPROXIMATION_LIST(X)                     \
-  X(SCHLICK, 0, "fresnel=schlick")                \
-  X(CLAMP, 1, "clamp")                            \
-  X(BSDF_SAMPLING, 2, "light-sampling=bsdf")      \
-  X(LIGHT_SAMPLING, 3, "light-sampling=lights")
+// Without light sampling it is as accurate, only noisier.
+#define APPROXIMATION_LIST(X)      \
+  X(SCHLICK, 0, "fresnel=schlick") \
+  X(CLAMP, 1, "clamp")             \
+  X(BSDF_SAMPLING, 2, "light-sampling=bsdf")
 
 #define FEATURE_MASK(name, bit, variant, description) | (1ul << (bit))
 #define APPROXIMATION_MASK(name, bit, description) | (1ul << (bit))

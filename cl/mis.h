@@ -19,17 +19,15 @@ INLINE float mis_power(float a, float b) {
 }
 
 // Weight of light that a path has found by scattering with density `scattering` > 0 where sampling the lights has density `light`.
-// With one strategy alone it has all that it can find.
+// With BSDF_SAMPLING it has all that it can find, and sampling the lights what no scattering can.
 INLINE float mis_scattering_weight(float scattering, float light) {
   if (APPROXIMATES(BSDF_SAMPLING)) return 1.0f;
-  if (APPROXIMATES(LIGHT_SAMPLING)) return light > 0.0f ? 0.0f : 1.0f;
   return mis_power(scattering, light);
 }
 
 // And of light that was found by sampling the lights with density `light` > 0.
 INLINE float mis_light_weight(float light, float scattering) {
   if (APPROXIMATES(BSDF_SAMPLING)) return scattering > 0.0f ? 0.0f : 1.0f;
-  if (APPROXIMATES(LIGHT_SAMPLING)) return 1.0f;
   return mis_power(light, scattering);
 }
 

@@ -115,10 +115,9 @@ struct Builder {
 
 using Primitives = BufferVector<RTCBuildPrimitive>;
 
-BuildNode* build_tree(Builder& builder, Primitives& primitives, BvhOptions options, bool quadrics) {
-  int& width = options.width;
+BuildNode* build_tree(Builder& builder, Primitives& primitives, int width, bool quadrics) {
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
-  arguments.buildQuality = options.quality == BvhQuality::low ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = width;
   arguments.maxDepth = max_tree_depth;
   arguments.sahBlockSize = quadrics ? 1 : width;
@@ -270,13 +269,13 @@ struct Layout {
 };
 
 template <int W>
-Bvh build(const Scene& scene, BvhQuality quality) {
+Bvh build(const Scene& scene) {
   if (scene.quadrics.size() > LEAF_INDEX_MASK + 1u) throw Error(Exit::render_failed, "too many quadrics: expected at most 2^27");
   std::optional<Builder> triangle_builder, quadric_builder;  // they own the trees until these are laid out
   BuildInner above;
   const auto attach = [&](std::optional<Builder>& builder, Primitives primitives, bool quadrics) {
     if (primitives.empty()) return;
-    above.child[above.count] = build_tree(builder.emplace(), primitives, {W, quality}, quadrics);
+    above.child[above.count] = build_tree(builder.emplace(), primitives, W, quadrics);
     above.bounds[above.count] = bounds_of(above.child[above.count], primitives);
     ++above.count;
   };
@@ -307,9 +306,9 @@ int Bvh::stack_size() const {
   return static_cast<int>(std::bit_ceil(std::max(64u, static_cast<unsigned>((width - 1) * depth + 1))));
 }
 
-Bvh build_bvh(const Scene& scene, const BvhOptions& options) {
-  assert(options.width == 4 || options.width == 8);
-  return options.width == 4 ? build<4>(scene, options.quality) : build<8>(scene, options.quality);
+Bvh build_bvh(const Scene& scene, int width) {
+  assert(width == 4 || width == 8);
+  return width == 4 ? build<4>(scene) : build<8>(scene);
 }
 
 }  // namespace oclair

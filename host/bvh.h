@@ -9,13 +9,6 @@
 
 namespace oclair {
 
-enum class BvhQuality { low, medium };  // of Embree: low is built by Morton codes, medium by binned surface areas
-
-struct BvhOptions {
-  int width;  // 4 or 8
-  BvhQuality quality = BvhQuality::medium;
-};
-
 struct Bvh {
   int width = 8;
   BufferVector<std::byte> nodes;   // BvhNode<width>; node 0 is the root
@@ -35,9 +28,8 @@ struct Bvh {
 // bound itself is rounded by 1 u: 16 u in all; 24 u on a device that divides with the 2.5 ulp that OpenCL allows.
 inline constexpr float box_padding = 0x1p-19f;
 
-// Throws Error(Exit::render_failed) if Embree cannot build it. An empty scene gives one node without children.
+// width: 4 or 8. Throws Error(Exit::render_failed) if Embree cannot build it. An empty scene gives one node without children.
 // All cores build; the arrays are the same for any number of them.
-Bvh build_bvh(const Scene& scene, const BvhOptions& options);
-inline Bvh build_bvh(const Scene& scene, int width) { return build_bvh(scene, BvhOptions{width}); }
+Bvh build_bvh(const Scene& scene, int width);
 
 }  // namespace oclair

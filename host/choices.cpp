@@ -35,9 +35,8 @@ Value named(const std::array<const char*, count>& names, const std::string& opti
 
 constexpr std::array fresnel_names{"exact", "schlick"};
 constexpr std::array oren_nayar_names{"full", "qualitative"};
-constexpr std::array light_sampling_names{"both", "bsdf", "lights"};
+constexpr std::array light_sampling_names{"both", "bsdf"};
 constexpr std::array kernel_names{"shared", "exact"};
-constexpr std::array bvh_quality_names{"low", "medium"};
 
 template <class Value, std::size_t count>
 std::string name_in(const std::array<const char*, count>& names, const std::optional<Value>& value) {
@@ -63,7 +62,7 @@ const Choice all[] = {
     {"rr-depth", "N", "segments after which Russian roulette begins; default: as the scene says", Effect::noise,
      [](const Choices& c) { return text(c.rr_depth); },
      [](Choices& c, const std::string& given, const std::string& option) { c.rr_depth = whole(option, given, 1, most_segments); }},
-    {"light-sampling", "both|bsdf|lights", "how light is found: by scattering, by sampling the lights, or by both; default: both", Effect::noise,
+    {"light-sampling", "both|bsdf", "how lights are found: by scattering and by sampling them, or by scattering where that can be; default: both", Effect::noise,
      [](const Choices& c) { return name_in(light_sampling_names, c.light_sampling); },
      [](Choices& c, const std::string& given, const std::string& option) {
        c.light_sampling = named<LightSampling>(light_sampling_names, option, given);
@@ -91,11 +90,6 @@ const Choice all[] = {
      "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared", Effect::none,
      [](const Choices& c) { return name_in(kernel_names, c.kernels); },
      [](Choices& c, const std::string& given, const std::string& option) { c.kernels = named<Kernels>(kernel_names, option, given); }},
-    {"bvh-quality", "low|medium", "low builds sooner, medium traces faster; the image is the same; default: medium", Effect::none,
-     [](const Choices& c) { return name_in(bvh_quality_names, c.bvh_quality); },
-     [](Choices& c, const std::string& given, const std::string& option) {
-       c.bvh_quality = named<BvhQuality>(bvh_quality_names, option, given);
-     }},
     {"bvh-width", "4|8", "children of a node; the image is the same; default: 8 on CPUs, 4 elsewhere", Effect::none,
      [](const Choices& c) { return c.bvh_width ? std::to_string(*c.bvh_width) : ""; },
      [](Choices& c, const std::string& given, const std::string& option) {
@@ -146,10 +140,7 @@ void apply(const Choices& given, Scene& scene) {
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (given.fresnel == Fresnel::schlick && (scene.features & with_fresnel)) scene.approximations |= APPROXIMATION_SCHLICK;
   constexpr Features found_both_ways = FEATURE_TRIANGLE_LIGHTS | FEATURE_QUADRIC_LIGHTS | FEATURE_CONSTANT_LIGHT | FEATURE_ENVIRONMENT_MAP;
-  if (scene.features & found_both_ways) {
-    if (given.light_sampling == LightSampling::bsdf) scene.approximations |= APPROXIMATION_BSDF_SAMPLING;
-    if (given.light_sampling == LightSampling::lights) scene.approximations |= APPROXIMATION_LIGHT_SAMPLING;
-  }
+  if (given.light_sampling == LightSampling::bsdf && (scene.features & found_both_ways)) scene.approximations |= APPROXIMATION_BSDF_SAMPLING;
   if (given.clamp) {
     scene.approximations |= APPROXIMATION_CLAMP;
     settings.clamp = *given.clamp;
@@ -157,8 +148,6 @@ void apply(const Choices& given, Scene& scene) {
   scene.exact_kernel = given.kernels == Kernels::exact;
 }
 
-BvhOptions bvh_options(const Choices& given, int width_of_device) {
-  return {given.bvh_width.value_or(width_of_device), given.bvh_quality.value_or(BvhQuality::medium)};
-}
+int bvh_width(const Choices& given, const Device& device) { return given.bvh_width.value_or(device.bvh_width); }
 
 }  // namespace oclair

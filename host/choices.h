@@ -6,14 +6,14 @@
 #include <span>
 #include <string>
 
-#include "bvh.h"
+#include "device.h"
 #include "scene.h"
 
 namespace oclair {
 
 enum class Fresnel { exact, schlick };
 enum class OrenNayar { full, qualitative };
-enum class LightSampling { both, bsdf, lights };  // by which strategies light is found
+enum class LightSampling { both, bsdf };          // by sampling the lights too, or only where no path can meet them
 enum class Kernels { shared, exact };             // variant.h
 
 struct Choices {
@@ -24,7 +24,6 @@ struct Choices {
   std::optional<LightSampling> light_sampling;
   std::optional<float> clamp;  // largest channel of a sample, W/(m^2 sr)
   std::optional<Kernels> kernels;
-  std::optional<BvhQuality> bvh_quality;
   std::optional<int> bvh_width;
 };
 
@@ -54,6 +53,6 @@ Choices joined(const Choices& a, const Choices& b);
 // Changes the scene accordingly, once. What the scene has no use for is left out: it is neither compiled nor recorded.
 void apply(const Choices& choices, Scene& scene);
 
-BvhOptions bvh_options(const Choices& choices, int width_of_device);
+int bvh_width(const Choices& choices, const Device& device);
 
 }  // namespace oclair

@@ -74,7 +74,6 @@ TEST(choices_test, what_a_scene_has_no_use_for_is_neither_compiled_nor_recorded)
   EXPECT_EQ(applied(lit(diffuse(0.5)), "fresnel", "schlick").approximations, 0u);
   EXPECT_EQ(applied(lit(dielectric(1.5)), "fresnel", "schlick").approximations, APPROXIMATION_SCHLICK);
   EXPECT_EQ(applied(lit(diffuse(0.5)), "light-sampling", "bsdf").approximations, APPROXIMATION_BSDF_SAMPLING);
-  EXPECT_EQ(applied(lit(diffuse(0.5)), "light-sampling", "lights").approximations, APPROXIMATION_LIGHT_SAMPLING);
   EXPECT_EQ(applied(lit(diffuse(0.5)), "light-sampling", "both").approximations, 0u);
   World dark;
   add_shape(dark, diffuse(0.5), Sides::both).geometry = Geometry::disk;
@@ -106,10 +105,10 @@ TEST(choices_test, depths_sampler_and_clamp_are_settings) {
   EXPECT_EQ(clamped.settings.clamp, 0.1f);
   EXPECT_EQ(clamped.approximations, APPROXIMATION_CLAMP);
   EXPECT_TRUE(applied(scene, "kernels", "exact").exact_kernel);
-  EXPECT_EQ(bvh_options(chosen("bvh-width", "4"), 8).width, 4);
-  EXPECT_EQ(bvh_options(Choices{}, 4).width, 4);
-  EXPECT_EQ(bvh_options(chosen("bvh-quality", "low"), 8).quality, BvhQuality::low);
-  EXPECT_EQ(bvh_options(Choices{}, 8).quality, BvhQuality::medium);
+  Device wide;
+  wide.bvh_width = 8;
+  EXPECT_EQ(bvh_width(chosen("bvh-width", "4"), wide), 4);
+  EXPECT_EQ(bvh_width(Choices{}, wide), 8);
 }
 
 TEST(choices_test, of_two_sets_of_choices_the_second_goes_before) {
@@ -118,7 +117,7 @@ TEST(choices_test, of_two_sets_of_choices_the_second_goes_before) {
 }
 
 TEST(choices_test, only_what_the_scene_could_use_is_tried) {
-  const std::set<std::string> everywhere{"max-depth", "rr-depth", "sampler", "clamp", "kernels", "bvh-width", "bvh-quality"};
+  const std::set<std::string> everywhere{"max-depth", "rr-depth", "sampler", "clamp", "kernels", "bvh-width"};
   std::set<std::string> expected = everywhere;
   expected.insert("light-sampling");
   EXPECT_EQ(options_of(tried(lit(diffuse(0.5)))), expected);
@@ -165,8 +164,8 @@ TEST(choices_test, clamps_are_typed_as_they_are_stored) {
 TEST(choices_test, a_wrong_value_is_refused_with_what_was_expected) {
   const std::pair<const char*, const char*> wrong[] = {
       {"fresnel", "schlik"}, {"oren-nayar", "fast"}, {"max-depth", "-1"}, {"max-depth", "4294967296"}, {"rr-depth", "0"},
-      {"light-sampling", "none"}, {"sampler", "halton"}, {"clamp", "0"}, {"clamp", "-1"}, {"clamp", "nan"}, {"clamp", "1e39"},
-      {"clamp", "1e-40"}, {"kernels", "full"}, {"bvh-quality", "high"}, {"bvh-width", "16"}, {"bvh-width", ""}};
+      {"light-sampling", "lights"}, {"sampler", "halton"}, {"clamp", "0"}, {"clamp", "-1"}, {"clamp", "nan"}, {"clamp", "1e39"},
+      {"clamp", "1e-40"}, {"kernels", "full"}, {"bvh-width", "16"}, {"bvh-width", ""}};
   for (const auto& [name, value] : wrong) {
     Choices choices;
     try {

@@ -223,7 +223,7 @@ Exit render(const RenderOptions& options) {
     if (const std::string warning = device_warning(options.checkpoint, earlier.head, state.head); !warning.empty())
       progress.warning(warning);
   }
-  const Bvh bvh = build_bvh(scene, bvh_options(chosen, device.bvh_width));
+  const Bvh bvh = build_bvh(scene, bvh_width(chosen, device));
   scene.positions = {};
   scene.triangles = {};
 

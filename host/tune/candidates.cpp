@@ -31,13 +31,12 @@ std::vector<Choices> candidates(const Scene& scene, int bvh_width, double mean) 
     if (depth != settings.rr_depth && std::min(depth, settings.rr_depth) < settings.max_depth) add([=](Choices& c) { c.rr_depth = depth; });
   const bool scatters = has(FEATURE_DIFFUSE | FEATURE_OREN_NAYAR | FEATURE_OREN_NAYAR_FAST | FEATURE_DISNEY);
   if (scatters && has(FEATURE_TRIANGLE_LIGHTS | FEATURE_QUADRIC_LIGHTS | FEATURE_CONSTANT_LIGHT | FEATURE_ENVIRONMENT_MAP))
-    for (const LightSampling one : {LightSampling::bsdf, LightSampling::lights}) add([=](Choices& c) { c.light_sampling = one; });
+    add([](Choices& c) { c.light_sampling = LightSampling::bsdf; });
   add([&](Choices& c) { c.sampler = settings.sampler == SAMPLER_SOBOL ? SAMPLER_INDEPENDENT : SAMPLER_SOBOL; });
   if (mean > 0.0)
     for (const double times : {4.0, 16.0, 64.0}) add([=](Choices& c) { c.clamp = two_digits(times * mean); });
   if (variant_features(variant_of(scene.features), scene.features) != scene.features) add([](Choices& c) { c.kernels = Kernels::exact; });
   add([=](Choices& c) { c.bvh_width = bvh_width == 8 ? 4 : 8; });
-  add([](Choices& c) { c.bvh_quality = BvhQuality::low; });
   return all;
 }
 

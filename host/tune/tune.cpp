@@ -45,7 +45,7 @@ struct Contender {
  private:
   Bvh prepare(const Device& device, const Choices& chosen) {
     apply(chosen, scene);
-    Bvh built = build_bvh(scene, bvh_options(chosen, device.bvh_width));
+    Bvh built = build_bvh(scene, bvh_width(chosen, device));
     scene.positions = {};
     scene.triangles = {};
     return built;

@@ -59,14 +59,15 @@ Interval median_interval(std::vector<double> values, double confidence) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   const double median = 0.5 * (values[(n - 1) / 2] + values[n / 2]);
-  // The median lies below the (k + 1)-th least with probability P(binomial(n, 1/2) <= k), and likewise above.
-  double outside = 0.0, probability = std::pow(0.5, static_cast<double>(n));
+  // The median lies below the (k + 1)-th least with probability P(binomial(n, 1/2) <= k), and likewise above. By logarithms: from
+  // n = 1075 on 2^-n is no double.
+  double outside = 0.0, log_probability = -static_cast<double>(n) * std::numbers::ln2;
   std::size_t k = 0;
   for (std::size_t i = 0; i < n / 2; ++i) {
-    outside += probability;
+    outside += std::exp(log_probability);
     if (2.0 * outside > 1.0 - confidence) break;
     k = i;
-    probability *= static_cast<double>(n - i) / static_cast<double>(i + 1);
+    log_probability += std::log(static_cast<double>(n - i) / static_cast<double>(i + 1));
   }
   return {median, values[k], values[n - 1 - k]};
 }

@@ -5,21 +5,32 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace oclair::tune {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Sums over the replicas of each value, and the weights of the pixels.
+// Sums over the replicas of each value, less that of `origin`.
 struct Sums {
+  Picture origin;
   std::vector<double> sum, square;  // per value: of x, of x^2
 
-  explicit Sums(const std::vector<Picture>& pictures) : sum(pictures.front().size()), square(sum.size()) {
+  explicit Sums(const std::vector<Picture>& pictures) : Sums(pictures, Picture(pictures.front().size())) {}
+  Sums(const std::vector<Picture>& pictures, Picture from) : origin(std::move(from)), sum(origin.size()), square(sum.size()) {
     for (const Picture& picture : pictures)
-      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += picture[i], square[i] += double{picture[i]} * picture[i];
+      for (std::size_t i = 0; i < sum.size(); ++i) {
+        const double x = of(picture, i);
+        sum[i] += x, square[i] += x * x;
+      }
   }
+
+  double of(const Picture& picture, std::size_t i) const { return double{picture[i]} - origin[i]; }
 };
+
+// For variances: from the first picture as the origin, so that pictures that are all the same have none, to the last bit.
+Sums around_first(const std::vector<Picture>& pictures) { return {pictures, pictures.front()}; }
 
 std::vector<double> weights_of(const Picture& mean) {
   std::array<double, 3> colour{};
@@ -47,7 +58,7 @@ double weighted(const std::vector<double>& weights, Value value) {
 double variance_of(const std::vector<double>& weights, const Sums& sums, double n, const Picture* without) {
   const double m = without ? n - 1.0 : n;
   return weighted(weights, [&](std::size_t i) {
-    const double x = without ? (*without)[i] : 0.0, sum = sums.sum[i] - x;
+    const double x = without ? sums.of(*without, i) : 0.0, sum = sums.sum[i] - x;
     return (sums.square[i] - x * x - sum * sum / m) / (m - 1.0);
   });
 }
@@ -56,7 +67,7 @@ double variance_of(const std::vector<double>& weights, const Sums& sums, double 
 double squared_bias_of(const std::vector<double>& weights, const Sums& sums, double n, const Picture* without) {
   const double m = without ? n - 1.0 : n;
   return weighted(weights, [&](std::size_t i) {
-    const double x = without ? (*without)[i] : 0.0, sum = sums.sum[i] - x;
+    const double x = without ? sums.of(*without, i) : 0.0, sum = sums.sum[i] - x;
     return (sum * sum - (sums.square[i] - x * x)) / (m * (m - 1.0));
   });
 }
@@ -71,7 +82,7 @@ Interval jackknife(const std::vector<Picture>& pictures, double confidence, Func
 
 // The ratio of variances, whose logarithm is nearer to normal. Replica k of both is left out together.
 Interval variance_ratio(const std::vector<double>& weights, const Replicas& accurate, const Replicas& other, double confidence) {
-  const Sums a(accurate.pictures), b(other.pictures);
+  const Sums a = around_first(accurate.pictures), b = around_first(other.pictures);
   const double n = static_cast<double>(accurate.pictures.size());
   const auto log_ratio = [&](const Picture* without_a, const Picture* without_b) {
     return std::log(variance_of(weights, b, n, without_b) / variance_of(weights, a, n, without_a));
@@ -131,7 +142,7 @@ Estimates estimate(const Picture& reference, const Replicas& accurate, const Rep
   e.squared_bias = jackknife(apart, confidence, [&](const Picture* without) { return squared_bias_of(weights, sums, n, without); });
 
   e.variance = variance_ratio(weights, accurate, other, confidence);
-  e.replica_variance = std::max(0.0, variance_of(weights, Sums(other.pictures), n, nullptr));
+  e.replica_variance = std::max(0.0, variance_of(weights, around_first(other.pictures), n, nullptr));
   return e;
 }
 
@@ -145,7 +156,7 @@ std::vector<CurvePoint> convergence(const Replicas& reference, const Replicas& o
   const Picture mean = mean_picture(reference.pictures);
   const std::vector<double> weights = weights_of(mean);
   const double n = static_cast<double>(reference.pictures.size());
-  const double noise = variance_of(weights, Sums(reference.pictures), n, nullptr) / n;
+  const double noise = variance_of(weights, around_first(reference.pictures), n, nullptr) / n;
   const double seconds = median_interval(other.seconds, 0.5).estimate;
   std::vector<CurvePoint> curve;
   // The mean over some pictures of equal numbers of samples.

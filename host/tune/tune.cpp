@@ -223,11 +223,13 @@ void judge(Row& row, double error) {
   const bool unbiased = row.effect != Effect::bias || e.same;
   const Interval bias = unbiased ? Interval{0.0, 0.0, 0.0} : e.squared_bias;
   const Interval variance = e.same ? Interval{1.0, 1.0, 1.0} : e.variance;
-  const auto share_for_noise = [&](double squared_bias) {  // of the squared error
-    return std::max(0.0, 1.0 - std::max(0.0, squared_bias) / (error * error));
+  // Nothing is gained where the bias alone is as large as the error, be there noise or none.
+  const auto gain = [&](double speed, double variance_ratio, double squared_bias) {
+    const double share_for_noise = 1.0 - std::max(0.0, squared_bias) / (error * error);
+    return share_for_noise > 0.0 ? speed / variance_ratio * share_for_noise : 0.0;
   };
-  row.gain = {e.speed.estimate / variance.estimate * share_for_noise(bias.estimate),
-              e.speed.low / variance.high * share_for_noise(bias.high), e.speed.high / variance.low * share_for_noise(bias.low)};
+  row.gain = {gain(e.speed.estimate, variance.estimate, bias.estimate), gain(e.speed.low, variance.high, bias.high),
+              gain(e.speed.high, variance.low, bias.low)};
   row.seconds = seconds_to_error(error, bias.estimate, e.replica_variance, e.replica_seconds);
   row.accurate_enough = unbiased || (bias.high < error * error && e.bias_bound < error);
 }

@@ -45,10 +45,12 @@ INLINE void film_accumulate(__global ulong *sum, int limbs, ulong value, int shi
   }
 }
 
-// The sample, scaled down so that no channel is above the limit: its hue stays. What the film would reject stays as it is.
+// The sample, scaled down so that no channel is above the limit, >= FLT_MIN: its hue stays. What is not finite or negative stays
+// as it is, for the film to reject. Divided first: limit / largest may be below all floats.
 INLINE float3 film_clamped(float3 radiance, float limit) {
   float largest = max_component(radiance);
-  return largest > limit && largest <= FLT_MAX ? radiance * (limit / largest) : radiance;
+  float least = fmin(fmin(radiance.x, radiance.y), radiance.z);
+  return largest > limit && largest <= FLT_MAX && least >= 0.0f ? radiance / largest * limit : radiance;
 }
 
 // Adds one sample to a pixel, or counts it as rejected: one bad sample must not spoil the pixel for ever.

@@ -59,3 +59,13 @@ __kernel void add_square(uint count, __global ulong* sums, __global const ulong*
   size_t i = get_global_id(0);
   if (i < count) film_add_square(sums + 3 * i, low[i], high[i]);
 }
+
+// And whether the film takes it then, at an exponent beyond which no float is too large.
+__kernel void clamped(uint count, __global const packed_float3* samples, __global const float* limit,
+                      __global packed_float3* result, __global uint* accepted) {
+  size_t i = get_global_id(0);
+  if (i >= count) return;
+  float3 x = film_clamped(unpack3(samples[i]), limit[i]);
+  result[i] = pack3(x);
+  accepted[i] = film_accepts(x.x, 128) && film_accepts(x.y, 128) && film_accepts(x.z, 128);
+}

@@ -63,6 +63,25 @@ float typical_float(Random& random, int exponent) {
   return std::ldexp(1.0f + random.unit24(), exponent - 60 + static_cast<int>(random.below(100)));
 }
 
+struct Clamped {
+  std::vector<packed_float3> samples, result;
+  std::vector<float> limits;
+  std::vector<cl_uint> accepted;
+};
+
+Clamped clamped(std::vector<packed_float3> samples, std::vector<float> limits) {
+  Clamped c{std::move(samples), {}, std::move(limits), {}};
+  c.result.resize(c.samples.size());
+  c.accepted.resize(c.samples.size());
+  run("film_test.cl", "clamped", c.samples.size(), c.samples, c.limits, out(c.result), out(c.accepted));
+  return c;
+}
+
+bool same_bits(const packed_float3& a, const packed_float3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+// The smallest float that the device tells from zero.
+float least_float() { return keeps_denormals() ? 1e-45f : FLT_MIN; }
+
 }  // namespace
 
 TEST(film_test, sums_and_products_of_floats_of_every_exponent_are_the_exact_integers) {
@@ -534,4 +553,58 @@ TEST(film_test, samples_that_are_all_equal_have_no_standard_error) {
   EXPECT_LE((*error)[0], resolved);
   EXPECT_LE((*error)[1], resolved);
   EXPECT_LE((*error)[2], 3e7 * std::sqrt(4 * 0x1p-63 / replicas));
+}
+
+// Division and product round once each, a result below FLT_MIN to the next denormal or to zero: of a share of the largest channel that is
+// as small, that times the limit is lost.
+TEST(film_test, clamping_scales_all_channels_by_what_the_largest_is_above_the_limit) {
+  Random random(11);
+  std::vector<packed_float3> samples;
+  std::vector<float> limits;
+  for (std::size_t i = 0; i < count_or_small(20000, 200); ++i) {
+    const auto draw = [&] { return random.below(20) == 0 ? 0.0f : static_cast<float>(random.log_between(1e-37, 3.4e38)); };
+    const float x = draw(), y = draw(), z = draw();
+    samples.push_back({x, y, z});
+    limits.push_back(static_cast<float>(random.log_between(1.2e-38, 3.4e38)));
+  }
+  for (const float limit : {FLT_MIN, 1.0f, 0.1f, FLT_MAX})
+    for (const float x : {least_float(), FLT_MIN, 0.099f, 1.0f, 1.0000001f, 3e38f, FLT_MAX}) {
+      samples.insert(samples.end(), {{x, 0.0f, 0.0f}, {0.0f, x, x}, {0.5f * x, FLT_MAX, x}});
+      limits.insert(limits.end(), 3, limit);
+    }
+  const Clamped c = clamped(samples, limits);
+  int scaled = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double before[3] = {samples[i].x, samples[i].y, samples[i].z}, after[3] = {c.result[i].x, c.result[i].y, c.result[i].z};
+    const double largest = *std::max_element(before, before + 3), limit = limits[i];
+    EXPECT_EQ(c.accepted[i], 1u);
+    if (largest <= limit) {
+      EXPECT_TRUE(same_bits(c.result[i], samples[i])) << largest << " " << limit;
+      continue;
+    }
+    ++scaled;
+    for (int k = 0; k < 3; ++k) {
+      const double expected = before[k] * (limit / largest);
+      EXPECT_NEAR(after[k], expected, 2.01 * unit_roundoff * expected + least_float() * (1.0 + limit)) << before[k] << " of " << largest << " to " << limit;
+      EXPECT_LE(after[k], limit * (1.0 + 2.0 * unit_roundoff));
+    }
+  }
+  EXPECT_GT(scaled, static_cast<int>(samples.size() / 4));
+}
+
+// Whatever stands beside it, and however far it is scaled down: a negative number does not become a zero.
+TEST(film_test, clamping_makes_no_bad_sample_a_good_one) {
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<packed_float3> samples;
+  std::vector<float> limits;
+  for (const float limit : {FLT_MIN, 1e-20f, 1.0f, 1e20f, FLT_MAX})
+    for (const float bad : {nan, -nan, inf, -inf, -least_float(), -FLT_MIN, -1e-30f, -1.0f, -1e30f, -FLT_MAX})
+      for (const float beside : {0.0f, -0.0f, least_float(), 0.5f, 1e10f, FLT_MAX, inf, nan, -1.0f}) {
+        samples.insert(samples.end(), {{bad, beside, 0.5f}, {0.5f, bad, beside}, {beside, 0.5f, bad}, {bad, bad, beside}});
+        limits.insert(limits.end(), 4, limit);
+      }
+  const Clamped c = clamped(samples, limits);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    EXPECT_EQ(c.accepted[i], 0u) << samples[i].x << " " << samples[i].y << " " << samples[i].z << " to " << limits[i] << ": " << c.result[i].x
+                                 << " " << c.result[i].y << " " << c.result[i].z;
 }

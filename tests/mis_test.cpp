@@ -2,6 +2,7 @@
 #include "inputs.h"
 #include "kernel.h"
 
+using namespace oclair;
 using namespace oclair::test;
 
 namespace {
@@ -41,6 +42,19 @@ double power_heuristic(long double a, long double b) { return static_cast<double
 // Rounding: r = b/a (u), r^2 (3u), 1 + r^2 (1 + 3/2)u since r <= 1, and the last division: below 8u relative for the smaller
 // weight r^2 / (1 + r^2), 3.5u for the larger. A weight below FLT_MIN may vanish.
 double tolerance(double weight) { return 8 * unit_roundoff * weight + FLT_MIN; }
+
+// With which of the strategies the kernel is compiled: both, scattering alone, light sampling alone.
+struct Weights {
+  std::vector<float> by_scattering, by_light;
+};
+
+Weights run_strategies(Approximations approximations, const std::vector<float>& scattering, const std::vector<float>& light) {
+  Weights weights{std::vector<float>(light.size()), std::vector<float>(light.size())};
+  KernelOptions options{every_feature};
+  options.approximations = approximations;
+  run_with(options, "mis_test.cl", "strategies", light.size(), scattering, light, out(weights.by_scattering), out(weights.by_light));
+  return weights;
+}
 
 }  // namespace
 
@@ -93,4 +107,33 @@ TEST(mis_test, limits_of_the_power_heuristic) {
   const std::vector<float> b{0.0f, 1.0f, infinity, infinity, infinity, 0.0f, 1.0f, 0.0f, FLT_MAX, FLT_MIN};
   const std::vector<float> expected{0.0f, 1.0f, 0.0f, 0.5f, 0.0f, 1.0f, 0.0f, 1.0f, 0.5f, 0.5f};
   EXPECT_EQ(run_pairs(a, b).weight, expected);
+}
+
+// 2u as above; one strategy alone gives exactly one and nothing.
+TEST(mis_test, light_that_is_found_both_ways_counts_once_with_any_strategy) {
+  std::vector<float> scattering, light;
+  for (float x : grid())
+    for (float y : grid())
+      if (x > 0 && y > 0) scattering.push_back(x), light.push_back(y);
+  for (const Approximations one : {Approximations{0}, APPROXIMATION_BSDF_SAMPLING, APPROXIMATION_LIGHT_SAMPLING}) {
+    const Weights w = run_strategies(one, scattering, light);
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      EXPECT_LE(std::abs(static_cast<double>(w.by_scattering[i]) + w.by_light[i] - 1), one ? 0 : 2 * unit_roundoff)
+          << one << ": " << scattering[i] << " " << light[i];
+      if (one) { EXPECT_EQ(w.by_light[i], one == APPROXIMATION_LIGHT_SAMPLING ? 1.0f : 0.0f) << scattering[i] << " " << light[i]; }
+    }
+  }
+}
+
+// What one strategy cannot find, density 0, the other has all of: point lights are left to light sampling, and emission that light
+// sampling never picks to scattering.
+TEST(mis_test, light_that_is_found_one_way_only_counts_whole_with_any_strategy) {
+  std::vector<float> found;
+  for (float x : grid())
+    if (x > 0) found.push_back(x);
+  const std::vector<float> never(found.size(), 0.0f), whole(found.size(), 1.0f);
+  for (const Approximations one : {Approximations{0}, APPROXIMATION_BSDF_SAMPLING, APPROXIMATION_LIGHT_SAMPLING}) {
+    EXPECT_EQ(run_strategies(one, found, never).by_scattering, whole) << one;
+    EXPECT_EQ(run_strategies(one, never, found).by_light, whole) << one;
+  }
 }

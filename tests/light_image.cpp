@@ -343,3 +343,88 @@ TEST(light_image, back_of_a_twosided_surface_is_its_front_and_of_a_onesided_one_
     else EXPECT_EQ(estimate(film).mean, 0.0);
   }
 }
+
+namespace {
+
+Film render_with(Approximations approximations, const World& world, uint samples) {
+  Scene scene = place_scene(world);
+  scene.features = every_feature;
+  scene.approximations = approximations;
+  return render_scene(std::move(scene), samples);
+}
+
+constexpr Approximations strategies[] = {0, APPROXIMATION_BSDF_SAMPLING, APPROXIMATION_LIGHT_SAMPLING};
+
+}  // namespace
+
+// Deviation of a sample, over the mean: of cosine sampling alone, which hits the light with a probability of the form factor F and has
+// the albedo then, sqrt(1 / F - 1); of light sampling alone that of f = cos cos / (pi d^2) over the light's area, 1.
+TEST(light_image, each_strategy_of_light_sampling_has_the_same_mean_and_its_own_variance) {
+  World world = floor_seen_from({-0.3, -0.4, 0.5});
+  add_ceiling(world, {0, 0, 1}, 1, 1);
+  const double factor = corner_factor(1, 1);
+  double square = 0.0;
+  constexpr int n = 1000;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double x = (i + 0.5) / n, y = (j + 0.5) / n, d2 = x * x + y * y + 1.0;
+      square += 1.0 / (pi * pi * d2 * d2 * d2 * d2) / (n * n);
+    }
+  const double deviation[] = {0.0, std::sqrt(1.0 / factor - 1.0), std::sqrt(square / (factor * factor) - 1.0)};
+  for (int i = 0; i < 3; ++i) {
+    SCOPED_TRACE(i);
+    const Film film = render_with(strategies[i], world, 1024);
+    expect_mean(film, albedo * factor, 0.02);
+    if (i > 0) { EXPECT_NEAR(relative_deviation(film), deviation[i], 0.02 * deviation[i]); }
+  }
+}
+
+TEST(light_image, each_strategy_finds_spheres_surroundings_and_lights_without_extent) {
+  World sphere = floor_seen_from({-0.5, 0.4, 0.6}), sky = sphere, point = sphere, both = sphere;
+  add_quadric(sphere, Geometry::sphere, {.5, 0, 0}, {0, .5, 0}, {0, 0, .5}, {0, 0, 2}, glm::dvec3(1.0));
+  add_light(sky, LIGHT_CONSTANT, glm::dvec3(1.0));
+  add_light(point, LIGHT_POINT, glm::dvec3(1.0), {0, 0, 2});
+  add_light(both, LIGHT_CONSTANT, glm::dvec3(1.0));
+  add_light(both, LIGHT_POINT, glm::dvec3(1.0), {0, 0, 2});
+  for (const Approximations strategy : strategies) {
+    SCOPED_TRACE(strategy);
+    expect_mean(render_with(strategy, sphere, 2048), albedo / 16.0, 0.03);
+    expect_mean(render_with(strategy, sky, 512), albedo, 0.02);
+    expect_mean(render_with(strategy, point, 16), radiance(0.25));
+    expect_mean(render_with(strategy, both, 512), albedo + radiance(0.25), 0.02);
+  }
+}
+
+// Paths that come straight from the camera or from a mirror see a light that no strategy has counted.
+TEST(light_image, each_strategy_shows_lights_themselves_and_in_mirrors) {
+  World seen;
+  add_quad(add_black(seen, glm::dvec3(3.0)).mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  look_closely(seen, {0, 0, 2}, {0, 0, 0});
+  World mirrored;
+  add_quad(add_shape(mirrored, mirror(0.9), Sides::front).mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  add_light(mirrored, LIGHT_CONSTANT, glm::dvec3(2.0));
+  look_closely(mirrored, {0.2, 0.1, 2}, {0, 0, 0});
+  mirrored.integrator.rr_depth = no_roulette;
+  for (const Approximations strategy : strategies) {
+    SCOPED_TRACE(strategy);
+    expect_every_sample(render_with(strategy, seen, 16), 3.0, 8 * unit_roundoff);
+    expect_every_sample(render_with(strategy, mirrored, 16), 1.8, 8 * unit_roundoff);
+  }
+}
+
+// Without noise the mean of min(L, c) is min(L, c), in the hue of L: each channel by the factor of the largest.
+TEST(light_image, clamped_light_is_the_lesser_of_its_radiance_and_the_limit) {
+  World world;
+  add_quad(add_black(world, {4.0, 2.0, 1.0}).mesh, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  look_closely(world, {0, 0, 2}, {0, 0, 0});
+  for (const float limit : {1e-3f, 0.5f, 2.0f, 3.9f, 4.0f, 5.0f}) {
+    SCOPED_TRACE(limit);
+    Scene scene = place_scene(world);
+    scene.features = every_feature;
+    scene.approximations = APPROXIMATION_CLAMP;
+    scene.settings.clamp = limit;
+    const Film film = render_scene(std::move(scene), 16);
+    for (int channel = 0; channel < 3; ++channel)
+      expect_every_sample(film, std::min(4.0, static_cast<double>(limit)) / (1 << channel), 8 * unit_roundoff, channel);
+  }
+}

@@ -136,3 +136,16 @@ TEST(slab_image, plate_with_schlicks_reflectance_transmits_as_it_says) {
     expect_mean(film, 1.0 - t, absolute_bias / (1.0 - t), 1);
   }
 }
+
+// A sample is red if the plate transmits it, green if it reflects it: only the red ones are above the limit.
+TEST(slab_image, clamping_takes_from_the_brighter_samples_what_they_are_above_the_limit) {
+  World world = plates(1, dielectric(1.5), 60);
+  world.shapes.back().radiance = glm::dvec3{5, 0, 0};
+  Scene scene = place_scene(world);
+  scene.features = every_feature;
+  scene.approximations = APPROXIMATION_CLAMP;
+  scene.settings.clamp = 2.0f;
+  const Film film = render_scene(std::move(scene), 640);
+  expect_mean(film, 2.0 * .83623246271, absolute_bias / .83623246271, 0);
+  expect_mean(film, 1.0 - .83623246271, absolute_bias / (1.0 - .83623246271), 1);
+}

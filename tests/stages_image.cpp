@@ -51,11 +51,8 @@ struct Stages {
   }
 };
 
-}  // namespace
-
-TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
-  const World world = mixed_world();
-  const Scene scene = place_scene(world);
+// The film of both, which must be the same, and no black one.
+void expect_same_film(const Scene& scene) {
   const Bvh bvh = build_bvh(scene, device().bvh_width);
   const uint samples = static_cast<uint>(count_or_small(REPLICA_SAMPLES + 2, 2));
   Renderer renderer = start_render(device(), scene, bvh);
@@ -89,4 +86,18 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) {
   double total = 0.0;
   for (std::size_t i = 0; i < film.pixels.size(); ++i) total += pixel_mean(film, i)[0];
   EXPECT_GT(total, 0.0) << "both films are black";
+}
+
+}  // namespace
+
+TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) { expect_same_film(place_scene(mixed_world())); }
+
+TEST(stages_image, stages_approximate_as_the_megakernel_does) {
+  for (const Approximations strategy : {APPROXIMATION_BSDF_SAMPLING, APPROXIMATION_LIGHT_SAMPLING}) {
+    SCOPED_TRACE(strategy);
+    Scene scene = place_scene(mixed_world());
+    scene.approximations = APPROXIMATION_SCHLICK | APPROXIMATION_CLAMP | strategy;
+    scene.settings.clamp = 0.3f;
+    expect_same_film(scene);
+  }
 }

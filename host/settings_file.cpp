@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -24,7 +25,7 @@ constexpr const char* measured_names[] = {"bias", "biasBound", "rootMeanSquareBi
   throw Error(Exit::scene, file.string() + ":" + std::to_string(line) + ": " + what);
 }
 
-// Counts the lines that the parser has gone through.
+// Knows the line of the last character that the parser has taken: it takes one more after a number.
 struct CountedText {
   using iterator_category = std::input_iterator_tag;
   using value_type = char;
@@ -34,10 +35,12 @@ struct CountedText {
 
   const char* at;
   std::size_t* line;
+  char previous = ' ';
 
   reference operator*() const { return *at; }
   CountedText& operator++() {
-    *line += *at++ == '\n';
+    *line += previous == '\n';
+    previous = *at++;
     return *this;
   }
   CountedText operator++(int) {
@@ -96,9 +99,8 @@ class Entries : public nlohmann::json_sax<Json> {
   }
   bool add(const std::string& value) {
     if (depth_ == 0) unexpected("a value outside of an object");
-    for (const Entry& entry : entries_)
-      if (entry.object == object_ && entry.name == name_)
-        refuse(file_, key_line_, "\"" + one_line(name_) + "\" stands in line " + std::to_string(entry.line) + " already, expected it once");
+    if (const auto [before, is_new] = lines_.emplace(std::pair(object_, name_), key_line_); !is_new)
+      refuse(file_, key_line_, "\"" + one_line(name_) + "\" stands in line " + std::to_string(before->second) + " already, expected it once");
     entries_.push_back({object_, name_, value, key_line_});
     return true;
   }
@@ -109,6 +111,7 @@ class Entries : public nlohmann::json_sax<Json> {
   std::string object_, name_;
   std::size_t key_line_ = 1;
   std::vector<Entry> entries_;
+  std::map<std::pair<std::string, std::string>, std::size_t> lines_;  // by object and name
 };
 
 std::string read_text(const fs::path& file) {
@@ -169,7 +172,8 @@ void write_settings(const fs::path& file, const SettingsFile& settings) {
   json["settings"] = nlohmann::ordered_json::object();
   for (const Choice& choice : choices())
     if (const std::string value = choice.get(settings.choices); !value.empty()) json["settings"][choice.name] = value;
-  for (const auto& [name, value] : settings.measured) json["measured"][name] = *parse_number(value);
+  for (const auto& [name, value] : settings.measured)
+    if (const auto number = parse_number(value)) json["measured"][name] = *number;
   std::ofstream stream(file);
   stream << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
   if (!stream.flush())

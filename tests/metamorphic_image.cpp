@@ -381,20 +381,6 @@ TEST(metamorphic_image, width_of_the_tree_does_not_change_the_film) {
   EXPECT_EQ(different_pixels(render_scene(scene, 8, 4), render_scene(scene, 8, 8)), 0u);
 }
 
-TEST(metamorphic_image, quality_of_the_tree_does_not_change_the_film) {
-  Scene scene = place_scene(zoo());
-  scene.features = every_feature;
-  const Film usual = render_scene(scene, 8);
-  EXPECT_GT(estimate(usual).mean, 0.01);
-  for (const int width : {4, 8}) {
-    const Bvh bvh = build_bvh(scene, BvhOptions{width, BvhQuality::low});
-    EXPECT_EQ(bvh.width, width);
-    Renderer renderer = start_render(device(), scene, bvh);
-    render_pass(renderer, 8);
-    EXPECT_EQ(different_pixels(read_film(renderer), usual), 0u) << width;
-  }
-}
-
 // What a kernel is compiled without, a scene without it does not miss.
 TEST(metamorphic_image, specialised_kernel_gives_the_film_of_the_full_kernel) {
   World mesh;

@@ -20,11 +20,10 @@ const std::vector<std::string>& values_of(const Choice& choice) {
       {"oren-nayar", {"full", "qualitative"}},
       {"max-depth", {"0", "1", "8", "4294967295"}},
       {"rr-depth", {"1", "5", "4294967295"}},
-      {"light-sampling", {"both", "bsdf", "lights"}},
+      {"light-sampling", {"both", "bsdf"}},
       {"sampler", {"independent", "sobol"}},
       {"clamp", {"1.1754944e-38", "0.1", "0.33333334", "7", "1e+20", "3.4028235e+38"}},
       {"kernels", {"shared", "exact"}},
-      {"bvh-quality", {"low", "medium"}},
       {"bvh-width", {"4", "8"}}};
   static const std::vector<std::string> none;
   for (const auto& [name, values] : all)

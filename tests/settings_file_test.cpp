@@ -151,7 +151,7 @@ TEST_F(settings_file_test, wrong_values_are_refused_with_those_that_are_right) {
       EXPECT_EQ(message.find(":3: " + std::string(choice.name) + " '"), 0u) << choice.name << " " << value << " " << message;
     }
   expect_refused(setting("fresnel", "\"Exact\""), 3, "exact or schlick");
-  expect_refused(setting("light-sampling", "\"light\""), 3, "both, bsdf or lights");
+  expect_refused(setting("light-sampling", "\"light\""), 3, "both or bsdf");
   expect_refused(setting("max-depth", "4294967296"), 3, "4294967295");
   expect_refused(setting("max-depth", "18446744073709551617"), 3, "4294967295");
   expect_refused(setting("max-depth", "8.5"), 3, "whole number");

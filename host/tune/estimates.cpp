@@ -129,6 +129,7 @@ Estimates estimate(const Picture& reference, const Replicas& accurate, const Rep
   std::vector<double> speeds;
   for (std::size_t k = 0; k < accurate.seconds.size(); ++k) speeds.push_back(accurate.seconds[k] / other.seconds[k]);
   e.speed = median_interval(speeds, confidence);
+  e.speed.low = std::max(e.speed.low, 0.0);
   e.replica_seconds = median_interval(other.seconds, confidence).estimate;
 
   const std::vector<Picture> apart = differences(accurate.pictures, other.pictures);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -62,14 +63,21 @@ Interval median_interval(std::vector<double> values, double confidence) {
   // The median lies below the (k + 1)-th least with probability P(binomial(n, 1/2) <= k), and likewise above. By logarithms: from
   // n = 1075 on 2^-n is no double.
   double outside = 0.0, log_probability = -static_cast<double>(n) * std::numbers::ln2;
-  std::size_t k = 0;
+  std::size_t count = 0;  // of values that lie outside on each side, and one
   for (std::size_t i = 0; i < n / 2; ++i) {
     outside += std::exp(log_probability);
     if (2.0 * outside > 1.0 - confidence) break;
-    k = i;
+    count = i + 1;
     log_probability += std::log(static_cast<double>(n - i) / static_cast<double>(i + 1));
   }
-  return {median, values[k], values[n - 1 - k]};
+  if (count == 0) return {median, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  return {median, values[count - 1], values[n - count]};
+}
+
+std::size_t values_for_median(double confidence) {
+  std::size_t count = 1;  // the range misses the median if all lie on one side of it
+  while (std::exp2(1.0 - static_cast<double>(count)) > 1.0 - confidence) ++count;
+  return count;
 }
 
 Interval jackknife_interval(double all, std::span<const double> without, double confidence) {

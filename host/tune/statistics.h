@@ -21,8 +21,11 @@ Interval mean_interval(std::span<const double> values, double confidence);
 
 // Of the median of independent values with one continuous distribution, whatever it is: order statistics, between which the median
 // lies with the probability of a binomial count (David, Nagaraja 2003, Order Statistics, 7.1). With too few values for the
-// confidence it is their range.
+// confidence it has no ends.
 Interval median_interval(std::vector<double> values, double confidence);
+
+// How many values that takes.
+std::size_t values_for_median(double confidence);
 
 // Of a function of n independent replicas, from its value with all of them and with each left out (the jackknife: Efron 1982, chapter 3).
 Interval jackknife_interval(double all, std::span<const double> without, double confidence);

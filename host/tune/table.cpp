@@ -101,6 +101,8 @@ void print_table(const Result& result, std::ostream& out) {
   line("", "accurate", "1", "1", "1", "0", "0");
   out << "\n> recommended; * nothing is both sooner and less biased. gain: time to the error, the accurate setting's over this one's;\n"
          "speed: of time for a sample; variance: of a sample, this one's over the accurate one's; pixels: root mean square of the relative bias.\n";
+  if (const std::size_t least = values_for_median(result.interval_confidence); result.request.replicas < least)
+    out << "too few replicas for an interval of the speed: expected --replicas " << least << " or more\n";
   for (const std::string& name : result.not_measured) out << "not measured: " << name << "\n";
 }
 

@@ -50,6 +50,7 @@ struct Result {
   std::vector<std::string> not_measured;  // names of those for which there was no time
   std::optional<std::size_t> recommended; // row; nothing: the accurate setting
   bool interrupted = false;
+  double interval_confidence = 0.0;       // of each interval, so that all hold together as asked for
   double wall_seconds = 0.0;
 };
 

@@ -34,6 +34,7 @@ struct RenderOptions {
   std::optional<SamplerKind> sampler;
   Approximations approximations = 0;
   bool exact_kernel = false;
+  bool double_precision = false;
   std::size_t device_memory = FilmLimits().on_device, host_memory = FilmLimits().in_memory;  // bytes of film there, at most
   Aovs aovs;
 

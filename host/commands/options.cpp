@@ -82,6 +82,12 @@ Approximations fresnel(const std::string& option, const std::string& given) {
   refuse(option, given, "exact or schlick");
 }
 
+bool double_precision(const std::string& option, const std::string& given) {
+  if (given == "float") return false;
+  if (given == "double") return true;
+  refuse(option, given, "float or double");
+}
+
 bool exact_kernel(const std::string& option, const std::string& given) {
   if (given == "shared") return false;
   if (given == "exact") return true;

@@ -15,6 +15,7 @@ void add_host_memory(CLI::App& line, std::size_t& bytes);  // of film, in memory
 
 std::uint64_t whole_number(const std::string& option, const std::string& given, std::uint64_t least, std::uint64_t most);
 Approximations fresnel(const std::string& option, const std::string& given);  // exact or schlick
+bool double_precision(const std::string& option, const std::string& given);  // float or double
 bool exact_kernel(const std::string& option, const std::string& given);  // shared or exact
 Aovs aovs(const std::string& option, const std::string& given);  // names joined by commas
 SamplerKind sampler(const std::string& option, const std::string& given);     // independent or sobol

@@ -82,7 +82,8 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"seed", std::to_string(settings.seed)},
           {"sampler", name_of(static_cast<SamplerKind>(settings.sampler))},
           {"max depth", std::to_string(settings.max_depth)},
-          {"approximations", approximation_names(scene)}};
+          {"approximations", approximation_names(scene)},
+          {"arithmetic", arithmetic_name(scene)}};
 }
 
 // Throws unless the checkpoint is one of this render. Its head.
@@ -170,6 +171,7 @@ Exit render(const RenderOptions& options) {
   const bool resumes = options.resume && fs::exists(options.checkpoint);
   require_writable(options.checkpoint);
   const Device device = open_device(options.device);
+  if (options.double_precision) require_double_precision(device);
   Progress progress =
       options.progress_json ? Progress::json(std::cerr) : Progress(std::cerr, isatty(STDERR_FILENO) != 0);
   Phases phases(progress);
@@ -200,6 +202,7 @@ Exit render(const RenderOptions& options) {
   constexpr Features with_fresnel = FEATURE_CONDUCTOR | FEATURE_DIELECTRIC | FEATURE_THIN_DIELECTRIC;
   if (scene.features & with_fresnel) scene.approximations = options.approximations;
   scene.exact_kernel = options.exact_kernel;
+  scene.double_precision = options.double_precision;
   if (const std::string warning = light_warning(scene.settings); !warning.empty()) progress.warning(warning);
   state.identity = identity_of(scene, hash);
   state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), options_text(options, scene)}, scene, device);

@@ -86,6 +86,9 @@ Command render_command(CLI::App& program) {
          [o](std::uint64_t n) { o->max_depth = static_cast<unsigned>(n); });
   text("--fresnel", "exact|schlick", "reflectance of dielectrics and conductors: exact, or Schlick's approximation; default: exact",
        [o](Name name, Given given) { o->approximations = fresnel(name, given); });
+  text("--arithmetic", "float|double",
+       "what the samples are computed in: an image in double shows, by comparison, where rounding counts; default: float",
+       [o](Name name, Given given) { o->double_precision = double_precision(name, given); });
   text("--kernels", "shared|exact",
        "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared",
        [o](Name name, Given given) { o->exact_kernel = exact_kernel(name, given); });

@@ -43,7 +43,7 @@ INLINE Ray camera_ray(const Camera *camera, float x, float y, float2 lens) {
   Ray ray;
   ray.direction = pack3(d);
   ray.origin = pack3(fma(d, (float3)(camera->near_clip * stretch), origin));
-  ray.t_max = fmin((camera->far_clip - camera->near_clip) * stretch, INFINITE_DISTANCE);
+  ray.t_max = fmin(((float)camera->far_clip - camera->near_clip) * stretch, INFINITE_DISTANCE);
   ray.skip = NONE;
   ray.target = NONE;
   ray.t_min = 0.0f;
@@ -57,7 +57,7 @@ OUT_OF_LINE Ray camera_sample(const Scene *scene, uint x, uint y, const Sampler 
   __global const Settings *settings = scene->settings;
   float2 u = sampler_2d(sampler, DIMENSION_FILM);
   float radius = settings->filter_radius;
-  float2 center = (float2)(x + 0.5f, y + 0.5f);
+  float2 center = (float2)((float)x + 0.5f, (float)y + 0.5f);
   float2 low = (float2)(settings->crop_x, settings->crop_y) - center;
   float2 high = low + (float2)(settings->crop_width, settings->crop_height);
   if (settings->sample_border) {

@@ -23,7 +23,7 @@ INLINE ulong distribution_width(__global const uint *cdf, uint count, uint i) {
 }
 
 INLINE float distribution_probability(__global const uint *cdf, uint count, uint i) {
-  return distribution_width(cdf, count, i) * 0x1p-32f;
+  return (float)distribution_width(cdf, count, i) * 0x1p-32f;
 }
 
 // Chooses by 32 random bits; *rest in (0, 1) is where in the item's share they lie, in the middle of their unit of it: a number to go on

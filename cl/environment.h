@@ -53,7 +53,7 @@ INLINE float3 environment_texel(const Scene *scene, const Texture *image, Enviro
 INLINE float environment_height(uint rows, uint y) {
   uint from_pole = min(y, rows - 1u - y);
   float half_step = 0.5f * PI / rows;
-  return 2.0f * sin((2.0f * from_pole + 1.0f) * half_step) * sin(half_step);
+  return 2.0f * sin((2.0f * (float)from_pole + 1.0f) * half_step) * sin(half_step);
 }
 
 INLINE float environment_cell_pdf(const Scene *scene, const Texture *image, uint x, uint y) {
@@ -92,7 +92,7 @@ OUT_OF_LINE float3 environment_sample(const Scene *scene, ulong bits, float *pdf
   bool south = 2u * y + 1u > rows;
   float s = sin((south ? rows - 1u - y : y) * (0.5f * PI / rows));
   float h = 2.0f * s * s + (south ? 1.0f - down : down) * environment_height(rows, y);
-  float2 around = warp_circle((x + 0.5f + across) / columns);
+  float2 around = warp_circle(((float)x + 0.5f + across) / columns);
   float sine = sqrt(h * (2.0f - h)), height = south ? h - 1.0f : 1.0f - h;
   return environment_to_world(settings, (float3)(sine * around.y, height, -sine * around.x));
 }

@@ -8,14 +8,14 @@
 
 // A sample that the film takes: finite, not negative, below 2^(exponent + FILM_HEADROOM_BITS). By bits: no compiler flag can
 // fold this away.
-INLINE bool film_accepts(float x, int exponent) {
+INLINE bool film_accepts(stored_float x, int exponent) {
   uint bits = as_uint(x);
   uint limit_exponent = (uint)clamp(exponent + FILM_HEADROOM_BITS + 127, 1, 255);
   return bits == 0x80000000u || bits < (limit_exponent << 23);
 }
 
 // |x| = mantissa 2^result, for finite x.
-INLINE int film_split(float x, ulong *mantissa) {
+INLINE int film_split(stored_float x, ulong *mantissa) {
   uint bits = as_uint(x) & 0x7fffffffu;
   uint biased = bits >> 23;
   *mantissa = biased ? (bits & 0x7fffffu) | 0x800000u : bits;
@@ -55,7 +55,7 @@ INLINE float3 film_clamped(float3 radiance, float limit) {
 
 // Adds one sample to a pixel, or counts it as rejected: one bad sample must not spoil the pixel for ever.
 OUT_OF_LINE void film_add(__global FilmPixel *pixel, __global FilmMoments *moments, float3 radiance, bool hit, int exponent) {
-  float channel[3] = {radiance.x, radiance.y, radiance.z};
+  stored_float channel[3] = {radiance.x, radiance.y, radiance.z};
   if (!film_accepts(channel[0], exponent) || !film_accepts(channel[1], exponent) || !film_accepts(channel[2], exponent)) {
     pixel->rejected += 1;
     return;

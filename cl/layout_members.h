@@ -3,9 +3,6 @@
 #define LAYOUT_LIST(STRUCT, MEMBER)                                                                                     \
   STRUCT(packed_float3) MEMBER(packed_float3, x) MEMBER(packed_float3, y) MEMBER(packed_float3, z)                      \
   STRUCT(packed_uint3) MEMBER(packed_uint3, x) MEMBER(packed_uint3, y) MEMBER(packed_uint3, z)                          \
-  STRUCT(Ray) MEMBER(Ray, origin) MEMBER(Ray, t_max) MEMBER(Ray, direction) MEMBER(Ray, skip) MEMBER(Ray, target)       \
-  MEMBER(Ray, t_min) MEMBER(Ray, passed)                                                                                 \
-  STRUCT(Hit) MEMBER(Hit, t) MEMBER(Hit, b1) MEMBER(Hit, b2) MEMBER(Hit, primitive) MEMBER(Hit, slot)                   \
   STRUCT(Shape) MEMBER(Shape, material_front) MEMBER(Shape, material_back) MEMBER(Shape, first_light)                   \
   MEMBER(Shape, light_split) MEMBER(Shape, first_triangle) MEMBER(Shape, first_normal) MEMBER(Shape, first_uv)          \
   STRUCT(Quadric) MEMBER(Quadric, center) MEMBER(Quadric, kind) MEMBER(Quadric, axis_x) MEMBER(Quadric, shape)          \
@@ -38,8 +35,12 @@
   STRUCT(FilmErrors) MEMBER(FilmErrors, sum) MEMBER(FilmErrors, square)                                                 \
   STRUCT(AovPixel) MEMBER(AovPixel, albedo) MEMBER(AovPixel, hits) MEMBER(AovPixel, normal) MEMBER(AovPixel, primitive)   \
   MEMBER(AovPixel, u) MEMBER(AovPixel, v) MEMBER(AovPixel, depth) MEMBER(AovPixel, pixel)                               \
-  STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
-  MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, passes) MEMBER(PathState, hit_anything) MEMBER(PathState, alive)           \
-  STRUCT(ShadowRay) MEMBER(ShadowRay, ray) MEMBER(ShadowRay, contribution) MEMBER(ShadowRay, depth)                     \
   STRUCT(BvhNode) MEMBER(BvhNode, bounds) MEMBER(BvhNode, child) MEMBER(BvhNode, pad)                                   \
-  STRUCT(TriangleBlock) MEMBER(TriangleBlock, vertex) MEMBER(TriangleBlock, primitive)
+  STRUCT(TriangleBlock) MEMBER(TriangleBlock, vertex) MEMBER(TriangleBlock, primitive)                                  \
+  STRUCT(Ray) MEMBER(Ray, origin) MEMBER(Ray, t_max) MEMBER(Ray, direction) MEMBER(Ray, skip) MEMBER(Ray, target)       \
+  MEMBER(Ray, t_min) MEMBER(Ray, passed)                                                                                \
+  STRUCT(Hit) MEMBER(Hit, t) MEMBER(Hit, b1) MEMBER(Hit, b2) MEMBER(Hit, primitive) MEMBER(Hit, slot)                   \
+  STRUCT(PathState) MEMBER(PathState, ray) MEMBER(PathState, throughput) MEMBER(PathState, radiance)                    \
+  MEMBER(PathState, eta) MEMBER(PathState, pdf) MEMBER(PathState, depth) MEMBER(PathState, passes)                      \
+  MEMBER(PathState, hit_anything) MEMBER(PathState, alive)                                                              \
+  STRUCT(ShadowRay) MEMBER(ShadowRay, ray) MEMBER(ShadowRay, contribution) MEMBER(ShadowRay, depth)

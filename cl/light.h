@@ -25,11 +25,11 @@ typedef struct LightPart {
 } LightPart;
 
 INLINE LightPart light_part(uint part, uint split) {
-  uint row = (uint)sqrt(part + 0.5f);  // r^2 + 1/2 lies too far from the squares for an error of some ulp
+  uint row = (uint)sqrt((float)part + 0.5f);  // r^2 + 1/2 lies too far from the squares for an error of some ulp
   uint j = part - row * row, k = j / 2u;
   uint turned = j & 1u;
   LightPart p;
-  p.size = (turned ? -1.0f : 1.0f) / split;
+  p.size = (turned ? -1.0f : 1.0f) / (float)split;
   p.b1 = (float)(row - k) / split;            // upright: corner (row - k, k); turned: (row - k, k + 1), the far one
   p.b2 = (float)(k + turned) / split;
   return p;
@@ -79,9 +79,9 @@ INLINE float light_pdf(const Scene *scene, const Light *light, float3 from, floa
     float radius2, distance2;
     if (light_sees_cone(&quadric, from, &radius2, &distance2))
       return light->probability * warp_cone_pdf(light_cone(radius2, distance2));
-    return light_pdf_from_area(light->probability / quadric.area, t * t, cosine);
+    return light_pdf_from_area((float)light->probability / quadric.area, t * t, cosine);
   }
-  return light_pdf_from_area(light->probability / light->area, t * t, cosine);
+  return light_pdf_from_area((float)light->probability / light->area, t * t, cosine);
 }
 
 // Uniform point on a quadric by area: local coordinates.

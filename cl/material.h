@@ -32,9 +32,9 @@ INLINE Material material_at(const Scene *scene, uint index, const TexturePoint *
   Material m = scene->materials[index];
   if (!HAS_TEXTURES) return m;
   if (m.reflectance_texture != 0u)
-    m.reflectance = pack3(fmin(fmax(texture_eval(scene, m.reflectance_texture, at), 0.0f), 1.0f));
+    m.reflectance = store3(fmin(fmax(texture_eval(scene, m.reflectance_texture, at), 0.0f), 1.0f));
   if (m.transmittance_texture != 0u)
-    m.transmittance = pack3(fmin(fmax(texture_eval(scene, m.transmittance_texture, at), 0.0f), 1.0f));
+    m.transmittance = store3(fmin(fmax(texture_eval(scene, m.transmittance_texture, at), 0.0f), 1.0f));
   if (m.roughness_texture != 0u) {
     float most = m.kind == MATERIAL_DISNEY ? 1.0f : SIGMA_MAX;
     m.roughness = fmin(fmax(m.roughness * texture_number(scene, m.roughness_texture, at), 0.0f), most);

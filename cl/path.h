@@ -13,8 +13,8 @@
 #include "traverse.h"
 
 #define HARD_DEPTH 4096u  // no path is longer: light trapped in a lossless box ends here (docs/kernels.md)
-#define ROULETTE_MIN 0.05f
-#define ROULETTE_MAX 0.95f
+#define ROULETTE_MIN REAL(0.05)
+#define ROULETTE_MAX REAL(0.95)
 
 INLINE uint dimension_of_vertex(uint depth, uint which) { return DIMENSION_VERTEX + depth * DIMENSIONS_PER_VERTEX + which; }
 

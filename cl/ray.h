@@ -8,10 +8,12 @@
 typedef float8 floatw;
 typedef int8 intw;
 typedef uint8 uintw;
+#define load_lanes(place) load8(*(__global const stored_float8 *)(place))
 #elif BVH_WIDTH == 4
 typedef float4 floatw;
 typedef int4 intw;
 typedef uint4 uintw;
+#define load_lanes(place) load4(*(__global const stored_float4 *)(place))
 #else
 #error "BVH_WIDTH must be 4 or 8"
 #endif
@@ -25,7 +27,7 @@ typedef uint4 uintw;
 
 // Bit i is set where lane i of a comparison's result is true (-1).
 INLINE uint lane_mask(intw m) {
-#if BVH_WIDTH == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_movmskps256)
+#if BVH_WIDTH == 8 && !DOUBLE_PRECISION && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_movmskps256)
   return (uint)__builtin_ia32_movmskps256(as_float8(m));
 #elif BVH_WIDTH == 8
   return (m.s0 & 1) | (m.s1 & 2) | (m.s2 & 4) | (m.s3 & 8) | (m.s4 & 16) | (m.s5 & 32) | (m.s6 & 64) | (m.s7 & 128);

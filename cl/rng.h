@@ -35,7 +35,7 @@ INLINE ulong rng_key(ulong seed, uint pixel, ulong sample) {
 INLINE ulong rng_bits(ulong key, uint dimension) { return rng_mix(key + (dimension + 1u) * RNG_GOLDEN); }
 
 // The top 24 bits as a float in [0, 1 - 2^-24]: 32 bits times 2^-32 would round up to 1.
-INLINE float rng_unit(uint bits) { return (bits >> 8) * 0x1p-24f; }
+INLINE float rng_unit(uint bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 INLINE float2 rng_point(ulong bits) { return (float2)(rng_unit((uint)(bits >> 32)), rng_unit((uint)bits)); }
 

@@ -45,8 +45,8 @@ INLINE TexturePoint texture_point_on_triangle(const Scene *scene, const Shape *s
   TexturePoint p = {(float2)(b1, b2), b1, b2, primitive, primitive - shape->first_triangle};
   if (shape->first_uv == NONE) return p;
   packed_uint3 v = scene->triangle_vertices[primitive];
-  __global const float2 *uv = scene->uvs + shape->first_uv;
-  p.uv = (1.0f - b1 - b2) * uv[v.x] + b1 * uv[v.y] + b2 * uv[v.z];
+  __global const stored_float2 *uv = scene->uvs + shape->first_uv;
+  p.uv = (1.0f - b1 - b2) * load2(uv[v.x]) + b1 * load2(uv[v.y]) + b2 * load2(uv[v.z]);
   return p;
 }
 
@@ -57,8 +57,8 @@ INLINE void triangle_tangents(const Scene *scene, const Shape *shape, uint primi
   s->dp_dv = edge2;
   if (shape->first_uv == NONE) return;
   packed_uint3 v = scene->triangle_vertices[primitive];
-  __global const float2 *uv = scene->uvs + shape->first_uv;
-  float2 d1 = uv[v.y] - uv[v.x], d2 = uv[v.z] - uv[v.x];
+  __global const stored_float2 *uv = scene->uvs + shape->first_uv;
+  float2 d1 = load2(uv[v.y]) - load2(uv[v.x]), d2 = load2(uv[v.z]) - load2(uv[v.x]);
   float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
   bool usable = fabs(determinant) >= 0x1p-100f && fabs(determinant) < INFINITE_DISTANCE;
   float inverse = usable ? 1.0f / determinant : 0.0f;
@@ -81,7 +81,7 @@ INLINE Surface surface_on_triangle(const Scene *scene, Hit hit) {
   if (HAS_TANGENTS) triangle_tangents(scene, &shape, hit.primitive, v1 - v0, v2 - v0, &s);
   if (HAS(SMOOTH_NORMALS) && shape.first_normal != NONE) {
     packed_uint3 i = scene->triangle_vertices[hit.primitive];
-    __global const packed_float3 *normals = scene->normals + shape.first_normal;
+    __global const stored_float3 *normals = scene->normals + shape.first_normal;
     float3 n = b0 * unpack3(normals[i.x]) + hit.b1 * unpack3(normals[i.y]) + hit.b2 * unpack3(normals[i.z]);
     float length2 = dot(n, n);
     if (length2 > 1e-12f) s.frame.z = n * rsqrt(length2);  // opposite vertex normals cancel: the geometric one stands

@@ -12,24 +12,24 @@ typedef struct TexturePoint {
   uint face;       // and its number in its mesh
 } TexturePoint;
 
-INLINE float luminance(float3 rgb) { return dot(rgb, (float3)(0.2126f, 0.7152f, 0.0722f)); }  // Rec. ITU-R BT.709
+INLINE float luminance(float3 rgb) { return dot(rgb, (float3)(REAL(0.2126), REAL(0.7152), REAL(0.0722))); }  // Rec. ITU-R BT.709
 
 // Transfer curve of sRGB (IEC 61966-2-1), for encoded values in [0, 1].
 INLINE float srgb_decoded(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : powr((encoded + 0.055f) / 1.055f, 2.4f);
+  return encoded <= REAL(0.04045) ? encoded / REAL(12.92) : powr((encoded + REAL(0.055)) / REAL(1.055), REAL(2.4));
 }
 
 // Component i of the texture, counted from its first texel.
 INLINE float texel_component(const Scene *scene, const Texture *texture, ulong i) {
   __global const uchar *bytes = scene->texels + texture->offset;
   switch (texture->format) {
-    case TEXEL_U8: return texture->srgb ? scene->srgb[bytes[i]] : bytes[i] / 255.0f;
+    case TEXEL_U8: return texture->srgb ? scene->srgb[bytes[i]] : (float)bytes[i] / 255.0f;
     case TEXEL_U16: {
-      float value = ((__global const ushort *)bytes)[i] / 65535.0f;
+      float value = (float)((__global const ushort *)bytes)[i] / 65535.0f;
       return texture->srgb ? srgb_decoded(value) : value;
     }
     case TEXEL_HALF: return vload_half(i, (__global const half *)bytes);
-    default: return ((__global const float *)bytes)[i];
+    default: return ((__global const stored_float *)bytes)[i];
   }
 }
 

@@ -18,7 +18,7 @@
 // host, so that this test is conservative (host/bvh.cpp).
 INLINE uint node_intersect(__global const BvhNode *node, const Slabs *ray, float t_min, float t_max, Lanes *t_near) {
 #define PLANE(row, axis) \
-  fma(*(__global const floatw *)node->bounds[row], (floatw)(ray->reciprocal.axis), (floatw)(ray->offset.axis))
+  fma(load_lanes(node->bounds[row]), (floatw)(ray->reciprocal.axis), (floatw)(ray->offset.axis))
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))
 #define SMALLER(a, b) ((a) < (b) ? (a) : (b))
   floatw near_x = PLANE(ray->near[0], x), far_x = PLANE(ray->near[0] ^ 1u, x);

@@ -12,7 +12,7 @@
 // barycentric coordinates of vertices 1 and 2.
 INLINE uint triangle_block_intersect(__global const TriangleBlock *block, const Shear *ray, float t_max, bool stop_early,
                                      Lanes *t, Lanes *b1, Lanes *b2) {
-#define VERTEX(i, axis) (*(__global const floatw *)block->vertex[i][axis])
+#define VERTEX(i, axis) load_lanes(block->vertex[i][axis])
   floatw az = VERTEX(0, ray->kz) - ray->origin_z;
   floatw bz = VERTEX(1, ray->kz) - ray->origin_z;
   floatw cz = VERTEX(2, ray->kz) - ray->origin_z;

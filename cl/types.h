@@ -34,25 +34,6 @@ typedef struct packed_uint3 {
   uint x, y, z;
 } packed_uint3;
 
-// A ray. Direction of unit length for paths. Hits are looked for in 0 < t <= t_max (closest) or 0 < t < t_max (any). Hits are in order
-// of (t, primitive); of a ray that has gone through some, only those after (t_min, passed) are left for the closest one.
-typedef struct Ray {
-  packed_float3 origin;
-  float t_max;
-  packed_float3 direction;
-  uint skip;    // primitive that the ray starts on, or NONE: it cannot be hit again (a quadric: not at its near root)
-  uint target;  // shadow rays: primitive of the light that the ray ends on, or NONE: it does not shadow itself
-  float t_min;  // where it went through the last one; 0 at first
-  uint passed;  // and which that was
-} Ray;
-
-typedef struct Hit {
-  float t;         // parameter along the ray, in units of its direction's length
-  float b1, b2;    // triangle: barycentric coordinates of vertices 1 and 2
-  uint primitive;  // triangle index, or QUADRIC_BIT | quadric index, or NONE for a miss
-  uint slot;       // triangle: block * BVH_WIDTH + lane, where its vertices lie
-} Hit;
-
 // What a group of triangles or one quadric has in common: one object of the scene file.
 typedef struct Shape {
   uint material_front;  // on the side that the geometric normal points to; NONE absorbs everything
@@ -251,26 +232,6 @@ typedef struct AovPixel {
   uint pixel;              // in the crop window, row by row, or NONE: a work item without a pixel
 } AovPixel;
 
-// Where a path stands between two stages.
-typedef struct PathState {
-  Ray ray;
-  packed_float3 throughput;
-  packed_float3 radiance;
-  float eta;         // product of the relative indices crossed: undoes the radiance scaling in Russian roulette
-  float pdf;         // solid-angle density of the sampled direction; 0 after a delta scattering or from the camera
-  uint depth;        // segments finished
-  uint passes;       // surfaces that let the path through
-  uint hit_anything; // of the camera ray: alpha
-  uint alive;
-} PathState;
-
-// A shadow ray and what it brings if nothing is in its way. No work: contribution 0.
-typedef struct ShadowRay {
-  Ray ray;
-  packed_float3 contribution;
-  uint depth;  // of the path's vertex where it starts
-} ShadowRay;
-
 // The node: W children, their boxes in rows lo.x hi.x lo.y hi.y lo.z hi.z. A child is a node index, or LEAF_BIT with block
 // count and first block (or quadric index). Empty children have inverted boxes. In C++ the width is a template parameter,
 // because it is chosen from the device; a kernel is compiled with one BVH_WIDTH.
@@ -302,6 +263,51 @@ OCLAIR_WIDE struct TriangleBlock {
 TriangleBlock
 #endif
 ;
+
+#ifndef __cplusplus
+#include "precision.h"
+#endif
+
+// What a path is made of, in the precision of the arithmetic: float in every kernel that has it in a buffer.
+
+// A ray. Direction of unit length for paths. Hits are looked for in 0 < t <= t_max (closest) or 0 < t < t_max (any). Hits are in order
+// of (t, primitive); of a ray that has gone through some, only those after (t_min, passed) are left for the closest one.
+typedef struct Ray {
+  packed_float3 origin;
+  float t_max;
+  packed_float3 direction;
+  uint skip;    // primitive that the ray starts on, or NONE: it cannot be hit again (a quadric: not at its near root)
+  uint target;  // shadow rays: primitive of the light that the ray ends on, or NONE: it does not shadow itself
+  float t_min;  // where it went through the last one; 0 at first
+  uint passed;  // and which that was
+} Ray;
+
+typedef struct Hit {
+  float t;         // parameter along the ray, in units of its direction's length
+  float b1, b2;    // triangle: barycentric coordinates of vertices 1 and 2
+  uint primitive;  // triangle index, or QUADRIC_BIT | quadric index, or NONE for a miss
+  uint slot;       // triangle: block * BVH_WIDTH + lane, where its vertices lie
+} Hit;
+
+// Where a path stands between two stages.
+typedef struct PathState {
+  Ray ray;
+  packed_float3 throughput;
+  packed_float3 radiance;
+  float eta;         // product of the relative indices crossed: undoes the radiance scaling in Russian roulette
+  float pdf;         // solid-angle density of the sampled direction; 0 after a delta scattering or from the camera
+  uint depth;        // segments finished
+  uint passes;       // surfaces that let the path through
+  uint hit_anything; // of the camera ray: alpha
+  uint alive;
+} PathState;
+
+// A shadow ray and what it brings if nothing is in its way. No work: contribution 0.
+typedef struct ShadowRay {
+  Ray ray;
+  packed_float3 contribution;
+  uint depth;  // of the path's vertex where it starts
+} ShadowRay;
 
 #ifdef __cplusplus
 }  // namespace oclair

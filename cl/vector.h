@@ -9,8 +9,8 @@
 #define INLINE static inline __attribute__((always_inline))
 #define OUT_OF_LINE static __attribute__((noinline, unused))
 
-#define PI 3.14159265358979f
-#define INV_PI 0.318309886183791f
+#define PI REAL(3.14159265358979324)
+#define INV_PI REAL(0.318309886183790672)
 #define INFINITE_DISTANCE 1e30f  // in place of infinity: survives -cl-finite-math-only, and no canonical length comes near
 
 INLINE float3 unpack3(packed_float3 p) { return (float3)(p.x, p.y, p.z); }

@@ -70,6 +70,7 @@ void store(const AovPixel& sum, const Scene& scene, AllChannels& channels) {
 
 KernelOptions aov_options(const Scene& scene, const Bvh& bvh, const Aovs& wanted) {
   KernelOptions options = kernel_options(scene, bvh);
+  options.double_precision = false;  // the layers are sums of floats
   if (wanted.uv) options.features |= FEATURE_BITMAPS;  // without any texture a kernel works out no coordinates
   return options;
 }

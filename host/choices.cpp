@@ -37,6 +37,7 @@ constexpr std::array fresnel_names{"exact", "schlick"};
 constexpr std::array oren_nayar_names{"full", "qualitative"};
 constexpr std::array light_sampling_names{"both", "bsdf"};
 constexpr std::array kernel_names{"shared", "exact"};
+constexpr std::array arithmetic_names{"float", "double"};
 
 template <class Value, std::size_t count>
 std::string name_in(const std::array<const char*, count>& names, const std::optional<Value>& value) {
@@ -90,6 +91,12 @@ const Choice all[] = {
      "shared: the smallest of four kernels that holds what the scene needs; exact: one with just that; default: shared", Effect::none,
      [](const Choices& c) { return name_in(kernel_names, c.kernels); },
      [](Choices& c, const std::string& given, const std::string& option) { c.kernels = named<Kernels>(kernel_names, option, given); }},
+    {"arithmetic", "float|double",
+     "what the samples are computed in: an image in double shows, by comparison, where rounding counts; default: float", Effect::bias,
+     [](const Choices& c) { return name_in(arithmetic_names, c.arithmetic); },
+     [](Choices& c, const std::string& given, const std::string& option) {
+       c.arithmetic = named<Arithmetic>(arithmetic_names, option, given);
+     }},
     {"bvh-width", "4|8", "children of a node; the image is the same; default: 8 on CPUs, 4 elsewhere", Effect::none,
      [](const Choices& c) { return c.bvh_width ? std::to_string(*c.bvh_width) : ""; },
      [](Choices& c, const std::string& given, const std::string& option) {
@@ -146,6 +153,7 @@ void apply(const Choices& given, Scene& scene) {
     settings.clamp = *given.clamp;
   }
   scene.exact_kernel = given.kernels == Kernels::exact;
+  scene.double_precision = given.arithmetic == Arithmetic::double_precision;
 }
 
 int bvh_width(const Choices& given, const Device& device) { return given.bvh_width.value_or(device.bvh_width); }

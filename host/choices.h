@@ -15,6 +15,7 @@ enum class Fresnel { exact, schlick };
 enum class OrenNayar { full, qualitative };
 enum class LightSampling { both, bsdf };          // by sampling the lights too, or only where no path can meet them
 enum class Kernels { shared, exact };             // variant.h
+enum class Arithmetic { single_precision, double_precision };  // of the samples: cl/precision.h
 
 struct Choices {
   std::optional<uint> max_depth, rr_depth;
@@ -24,6 +25,7 @@ struct Choices {
   std::optional<LightSampling> light_sampling;
   std::optional<float> clamp;  // largest channel of a sample, W/(m^2 sr)
   std::optional<Kernels> kernels;
+  std::optional<Arithmetic> arithmetic;
   std::optional<int> bvh_width;
 };
 

@@ -130,6 +130,12 @@ Error device_error(const Device& device, const cl::Error& error) {
   return Error(Exit::device, device.name + ": " + error.what() + " returned " + std::to_string(error.err()));
 }
 
+void require_double_precision(const Device& device) {
+  if (device.device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
+    throw Error(Exit::device,
+                device.name + ": has no double precision, expected a device with cl_khr_fp64 for --arithmetic double");
+}
+
 std::string kernel_hash() {
   const std::filesystem::path directory = kernel_directory();
   char digits[17];
@@ -148,6 +154,7 @@ cl::Program build_program(const Device& device, const std::filesystem::path& sou
   std::ostringstream flags;
   flags << "-cl-std=CL1.2 -DFEATURES=" << options.features << "ul -DAPPROXIMATIONS=" << options.approximations << "ul -DBVH_WIDTH=" << options.bvh_width
         << " -DSTACK_SIZE=" << options.stack_size;
+  if (options.double_precision) flags << " -DDOUBLE_PRECISION=1";
   if (device.device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     flags << " -cl-fp32-correctly-rounded-divide-sqrt";
   if (!device.flags.empty()) flags << " " << device.flags;

@@ -39,10 +39,14 @@ struct KernelOptions {
   int bvh_width = 8;
   int stack_size = 64;                // entries of the traversal stack
   Approximations approximations = 0;  // that the user asked for
+  bool double_precision = false;      // cl/precision.h; the device must have it
 };
 
 // Compiles the file (its #includes are relative to it). No flag that relaxes arithmetic is given. Throws Error(Exit::device) with the compiler's first message.
 cl::Program build_program(const Device& device, const std::filesystem::path& source, const KernelOptions& options);
+
+// Throws Error(Exit::device) if the device has no arithmetic in double precision.
+void require_double_precision(const Device& device);
 
 // "NAME: clFunction returned -5", as Exit::device.
 Error device_error(const Device& device, const cl::Error& error);

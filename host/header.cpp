@@ -73,6 +73,8 @@ std::string approximation_names(const Scene& scene) {
 
 const char* name_of(SamplerKind sampler) { return sampler == SAMPLER_SOBOL ? "sobol" : "independent"; }
 
+const char* arithmetic_name(const Scene& scene) { return scene.double_precision ? "double" : "float"; }
+
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device) {
   return {{"software", "oclair " OCLAIR_VERSION},
           {"scene", origin.scene},
@@ -83,6 +85,7 @@ HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device&
           {"sampler", name_of(static_cast<SamplerKind>(scene.settings.sampler))},
           {"features", feature_names(scene.features)},
           {"approximations", approximation_names(scene)},
+          {"arithmetic", arithmetic_name(scene)},
           {"device", device.name},
           {"driver", device.platform}};
 }

@@ -31,6 +31,9 @@ std::string approximation_names(const Scene& scene);
 // As --sampler takes them: "independent", "sobol".
 const char* name_of(SamplerKind sampler);
 
+// As --arithmetic takes them: "float", "double".
+const char* arithmetic_name(const Scene& scene);
+
 HeaderTexts header_texts(const Origin& origin, const Scene& scene, const Device& device);
 
 // What depends on the samples, or on how long they took.

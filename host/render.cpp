@@ -124,7 +124,7 @@ std::size_t padded_pixels(const Settings& settings) {
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh) {
   const Features features =
       scene.exact_kernel ? scene.features : variant_features(variant_of(scene.features), scene.features);
-  return {features, bvh.width, bvh.stack_size(), scene.approximations};
+  return {features, bvh.width, bvh.stack_size(), scene.approximations, scene.double_precision};
 }
 
 Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, const FilmLimits& limits) {

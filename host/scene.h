@@ -19,6 +19,7 @@ struct Scene {
   CanonicalFrame frame;
   Features features = 0;
   Approximations approximations = 0;  // that the user asked for
+  bool double_precision = false;      // path.cl computes in double
   bool exact_kernel = false;          // compiled for its features alone, not the smallest shared one (variant.h)
 
   // Input of the BVH, which keeps what it needs of them: a renderer does without.

@@ -25,6 +25,7 @@ HeaderTexts texts(const std::string& command_line) {
   scene.settings.sampler = SAMPLER_SOBOL;
   scene.features = FEATURE_DIFFUSE | FEATURE_OREN_NAYAR_FAST;
   scene.approximations = APPROXIMATION_SCHLICK;
+  scene.double_precision = true;
   Device device;
   device.name = "a device";
   device.platform = "a platform 1.2";
@@ -61,6 +62,7 @@ TEST(header_test, every_fact_has_its_attribute) {
                                                  {"sampler", "sobol"},
                                                  {"features", "DIFFUSE OREN_NAYAR_FAST"},
                                                  {"approximations", "fresnel=schlick oren_nayar=qualitative"},
+                                                 {"arithmetic", "double"},
                                                  {"device", "a device"},
                                                  {"driver", "a platform 1.2"},
                                                  {"sampleRanges", "0:48 64:16"},

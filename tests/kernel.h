@@ -43,7 +43,8 @@ inline std::filesystem::path directory() { return OCLAIR_TEST_DIRECTORY; }
 inline cl::Program& program(const std::string& file, const KernelOptions& options) {
   static auto& built = *new std::map<std::string, cl::Program>;
   const std::string key = file + " " + std::to_string(options.features) + " " + std::to_string(options.bvh_width) + " " +
-                          std::to_string(options.stack_size) + " " + std::to_string(options.approximations);
+                          std::to_string(options.stack_size) + " " + std::to_string(options.approximations) +
+                          (options.double_precision ? " double" : "");
   const auto found = built.find(key);
   if (found != built.end()) return found->second;
   return built.emplace(key, build_program(device(), directory() / file, options)).first->second;

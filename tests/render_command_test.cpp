@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../host/device.h"
 #include "exr_reader.h"
 #include "files.h"
 #include "program.h"
@@ -134,6 +135,7 @@ TEST(render_command_test, a_failure_has_its_exit_code_one_line_and_leaves_no_fil
       {{"render", crop, "-o", out, "--size", "8x8"}, 2, "crop window"},
       {{"render", furnace, "-o", out, "--device", "99"}, 4, "device \"99\" does not exist"},
       {{"render", furnace, "-o", out, "--device", "no such thing"}, 4, "device \"no such thing\" does not exist"},
+      {{"render", furnace, "-o", out, "--arithmetic", "half"}, 2, "--arithmetic 'half': expected float or double"},
       {{"render", furnace, "-o", nowhere + "out.exr"}, 1, nowhere + "out.exr"},
       {{"render", furnace, "-o", out, "--png", nowhere + "out.png"}, 1, nowhere + "out.png"},
       {{"info", "nowhere.xml"}, 3, "nowhere.xml"},
@@ -285,6 +287,27 @@ TEST(render_command_test, approximations_change_the_image_and_are_named_in_its_h
   EXPECT_NE(exact.channels.at("R"), schlick.channels.at("R"));
   EXPECT_EQ(named(render(paint, {})), "oren_nayar=qualitative");
   EXPECT_EQ(named(render(paint, {"--fresnel", "schlick"})), "oren_nayar=qualitative");  // nothing there has a Fresnel term
+}
+
+TEST(render_command_test, arithmetic_in_double_gives_other_bits_and_is_named_in_the_header) {
+  if (oclair::open_device().device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0) GTEST_SKIP() << "no double precision";
+  const TemporaryDirectory directory;
+  const auto render = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", (scenes / "cornell.xml").string(), "-o", (directory / name).string(), "--spp", "1",
+                                          "--size", "8x8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = run_oclair(arguments);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    return read_exr(directory / name);
+  };
+  const auto named = [](const ExrFile& file) { return std::get<std::string>(file.attributes.at("arithmetic")); };
+  const ExrFile plain = render("a.exr", {}), single = render("b.exr", {"--arithmetic", "float"}),
+                twin = render("c.exr", {"--arithmetic", "double", "--aov", "albedo"});
+  EXPECT_EQ(named(plain), "float");
+  EXPECT_EQ(named(single), "float");
+  EXPECT_EQ(named(twin), "double");
+  EXPECT_EQ(plain.channels.at("R"), single.channels.at("R"));
+  EXPECT_NE(plain.channels.at("R"), twin.channels.at("R"));
 }
 
 TEST(render_command_test, info_says_what_the_scene_requires) {

@@ -172,7 +172,8 @@ TEST_F(resume_image, a_checkpoint_of_another_render_is_refused_with_all_that_dif
   const std::string before = content(checkpoint_of("a"));
   const std::pair<std::vector<std::string>, std::vector<std::string>> others[] = {
       {{"--seed", "9", "--sampler", "independent"}, {"seed is 0, expected 9"}},
-      {{"--sampler", "sobol", "--max-depth", "3"}, {"sampler is independent, expected sobol", "max depth is "}}};
+      {{"--sampler", "sobol", "--max-depth", "3"}, {"sampler is independent, expected sobol", "max depth is "}},
+      {{"--sampler", "independent", "--arithmetic", "double"}, {"arithmetic is float, expected double"}}};
   for (const auto& [options, differences] : others) {
     std::vector<std::string> arguments = {"--spp", "4", "--resume"};
     arguments.insert(arguments.end(), options.begin(), options.end());

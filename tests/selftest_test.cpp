@@ -185,8 +185,8 @@ TEST(selftest_test, edges_that_are_not_antisymmetric_fail_as_triangles) {
 }
 
 TEST(selftest_test, boxes_without_padding_fail_as_boxes_and_let_rays_pass) {
-  expect_failures(with_changes({{"traverse.h", "fma(*(__global const floatw *)node->bounds[row],",
-                                 "fma(*(__global const floatw *)node->bounds[row] + ((row) & 1u ? -0x1p-19f : 0x1p-19f),"}}),
+  expect_failures(with_changes({{"traverse.h", "fma(load_lanes(node->bounds[row]),",
+                                 "fma(load_lanes(node->bounds[row]) + ((row) & 1u ? -0x1p-19f : 0x1p-19f),"}}),
                   {"boxes", "triangles"});
 }
 

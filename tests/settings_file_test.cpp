@@ -24,6 +24,7 @@ const std::vector<std::string>& values_of(const Choice& choice) {
       {"sampler", {"independent", "sobol"}},
       {"clamp", {"1.1754944e-38", "0.1", "0.33333334", "7", "1e+20", "3.4028235e+38"}},
       {"kernels", {"shared", "exact"}},
+      {"arithmetic", {"float", "double"}},
       {"bvh-width", {"4", "8"}}};
   static const std::vector<std::string> none;
   for (const auto& [name, values] : all)

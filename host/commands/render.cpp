@@ -82,7 +82,8 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"sampler", name_of(static_cast<SamplerKind>(settings.sampler))},
           {"max depth", std::to_string(settings.max_depth)},
           {"rr depth", std::to_string(settings.rr_depth)},
-          {"approximations", approximation_names(scene)}};
+          {"approximations", approximation_names(scene)},
+          {"arithmetic", arithmetic_name(scene)}};
 }
 
 // Throws unless the checkpoint is one of this render. Its head.
@@ -179,6 +180,7 @@ Exit render(const RenderOptions& options) {
   const bool resumes = options.resume && fs::exists(options.checkpoint);
   require_writable(options.checkpoint);
   const Device device = open_device(options.device);
+  if (options.double_precision) require_double_precision(device);
   Progress progress =
       options.progress_json ? Progress::json(std::cerr) : Progress(std::cerr, isatty(STDERR_FILENO) != 0);
   Phases phases(progress);

@@ -29,7 +29,7 @@
   MEMBER(Settings, sample_border) MEMBER(Settings, filter_count) MEMBER(Settings, filter_radius)                        \
   MEMBER(Settings, film_exponent) MEMBER(Settings, environment) MEMBER(Settings, environment_probability)               \
   MEMBER(Settings, environment_x) MEMBER(Settings, environment_texture) MEMBER(Settings, environment_y)                 \
-  MEMBER(Settings, sampler) MEMBER(Settings, environment_z) MEMBER(Settings, clamp)                                     \
+  MEMBER(Settings, sampler) MEMBER(Settings, environment_z) MEMBER(Settings, largest_sample)                            \
   STRUCT(FilmPixel) MEMBER(FilmPixel, sum) MEMBER(FilmPixel, rejected) MEMBER(FilmPixel, hits)                          \
   STRUCT(FilmMoments) MEMBER(FilmMoments, product)                                                                      \
   STRUCT(FilmErrors) MEMBER(FilmErrors, sum) MEMBER(FilmErrors, square)                                                 \

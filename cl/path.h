@@ -240,7 +240,7 @@ INLINE float path_visibility(const Scene *scene, const ShadowRay *shadow, const 
 // What the film gets of a path that has ended.
 INLINE float3 path_sample(const PathState *path, __global const Settings *settings) {
   float3 radiance = unpack3(path->radiance);
-  return APPROXIMATES(CLAMP) ? film_clamped(radiance, settings->clamp) : radiance;
+  return APPROXIMATES(CLAMP) ? film_clamped(radiance, settings->largest_sample) : radiance;
 }
 
 // A whole path: radiance along the camera ray of one sample. *rays counts the traversals.

@@ -187,7 +187,7 @@ typedef struct Settings {
   packed_float3 environment_y;
   uint sampler;                    // SamplerKind
   packed_float3 environment_z;
-  float clamp;                     // with APPROXIMATION_CLAMP: largest channel of a sample, as the film has it; > 0
+  float largest_sample;            // with APPROXIMATION_CLAMP: largest channel of a sample, as the film has it; > 0
 } Settings;
 
 #define FILM_FRACTION_BITS 54         // bits of a film sum below 2^film_exponent

@@ -150,7 +150,7 @@ void apply(const Choices& given, Scene& scene) {
   if (given.light_sampling == LightSampling::bsdf && (scene.features & found_both_ways)) scene.approximations |= APPROXIMATION_BSDF_SAMPLING;
   if (given.clamp) {
     scene.approximations |= APPROXIMATION_CLAMP;
-    settings.clamp = *given.clamp;
+    settings.largest_sample = *given.clamp;
   }
   scene.exact_kernel = given.kernels == Kernels::exact;
   scene.double_precision = given.arithmetic == Arithmetic::double_precision;

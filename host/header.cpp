@@ -66,7 +66,7 @@ std::string approximation_names(const Scene& scene) {
   if (scene.approximations & APPROXIMATION_##name) append_word(names, description);
   APPROXIMATION_LIST(APPROXIMATION_NAME)
 #undef APPROXIMATION_NAME
-  if (scene.approximations & APPROXIMATION_CLAMP) names.insert(names.find("clamp") + 5, "=" + shortest(scene.settings.clamp));
+  if (scene.approximations & APPROXIMATION_CLAMP) names.insert(names.find("clamp") + 5, "=" + shortest(scene.settings.largest_sample));
   if (scene.features & FEATURE_OREN_NAYAR_FAST) append_word(names, "oren_nayar=qualitative");
   return names.empty() ? "none" : names;
 }

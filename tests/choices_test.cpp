@@ -102,7 +102,7 @@ TEST(choices_test, depths_sampler_and_clamp_are_settings) {
   EXPECT_EQ(applied(scene, "sampler", "sobol").features ^ scene.features, FEATURE_SOBOL);
   EXPECT_EQ(applied(scene, "sampler", "independent").features, scene.features);
   const Scene clamped = applied(scene, "clamp", "0.1");
-  EXPECT_EQ(clamped.settings.clamp, 0.1f);
+  EXPECT_EQ(clamped.settings.largest_sample, 0.1f);
   EXPECT_EQ(clamped.approximations, APPROXIMATION_CLAMP);
   EXPECT_TRUE(applied(scene, "kernels", "exact").exact_kernel);
   Device wide;

@@ -412,7 +412,7 @@ TEST(light_image, clamped_light_is_the_lesser_of_its_radiance_and_the_limit) {
     Scene scene = place_scene(world);
     scene.features = every_feature;
     scene.approximations = APPROXIMATION_CLAMP;
-    scene.settings.clamp = limit;
+    scene.settings.largest_sample = limit;
     const Film film = render_scene(std::move(scene), 16);
     for (int channel = 0; channel < 3; ++channel)
       expect_every_sample(film, std::min(4.0, static_cast<double>(limit)) / (1 << channel), 8 * unit_roundoff, channel);

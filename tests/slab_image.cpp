@@ -144,7 +144,7 @@ TEST(slab_image, clamping_takes_from_the_brighter_samples_what_they_are_above_th
   Scene scene = place_scene(world);
   scene.features = every_feature;
   scene.approximations = APPROXIMATION_CLAMP;
-  scene.settings.clamp = 2.0f;
+  scene.settings.largest_sample = 2.0f;
   const Film film = render_scene(std::move(scene), 640);
   expect_mean(film, 2.0 * .83623246271, absolute_bias / .83623246271, 0);
   expect_mean(film, 1.0 - .83623246271, absolute_bias / (1.0 - .83623246271), 1);

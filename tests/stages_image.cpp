@@ -95,6 +95,6 @@ TEST(stages_image, stages_in_a_loop_give_the_megakernels_film_bit_for_bit) { exp
 TEST(stages_image, stages_approximate_as_the_megakernel_does) {
   Scene scene = place_scene(mixed_world());
   scene.approximations = APPROXIMATION_SCHLICK | APPROXIMATION_CLAMP | APPROXIMATION_BSDF_SAMPLING;
-  scene.settings.clamp = 0.3f;
+  scene.settings.largest_sample = 0.3f;
   expect_same_film(scene);
 }

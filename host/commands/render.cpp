@@ -180,7 +180,7 @@ Exit render(const RenderOptions& options) {
   const bool resumes = options.resume && fs::exists(options.checkpoint);
   require_writable(options.checkpoint);
   const Device device = open_device(options.device);
-  if (options.double_precision) require_double_precision(device);
+  if (chosen.arithmetic == Arithmetic::double_precision) require_double_precision(device);
   Progress progress =
       options.progress_json ? Progress::json(std::cerr) : Progress(std::cerr, isatty(STDERR_FILENO) != 0);
   Phases phases(progress);

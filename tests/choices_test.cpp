@@ -2,6 +2,7 @@
 #include "../host/choices.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "../host/error.h"
@@ -159,6 +160,13 @@ TEST(choices_test, clamps_are_typed_as_they_are_stored) {
       if (choices.clamp) {
         EXPECT_EQ(chosen("clamp", find_choice("clamp")->get(choices)).clamp, choices.clamp);
       }
+}
+
+// However dark or bright the picture is.
+TEST(choices_test, what_is_tried_can_be_asked_for) {
+  for (const double mean : {1e-45, 2e-39, 1e-30, 0.5, 1e36, 1e37, 1e300, std::numeric_limits<double>::infinity()})
+    for (const Choices& choices : tune::candidates(lit(diffuse(0.5)), 8, mean))
+      EXPECT_EQ(text_of(joined({}, choices)), text_of(choices)) << mean;  // joined sets each value as a user would
 }
 
 TEST(choices_test, a_wrong_value_is_refused_with_what_was_expected) {

@@ -292,3 +292,31 @@ TEST(tune_statistics, shared_noise_narrows_the_bias_by_the_root_of_the_part_that
   // The mean of 200 widths with 15 degrees of freedom has a relative deviation of 1 / sqrt(30 * 200) = 1.3 %, their ratio 1.8 %.
   EXPECT_NEAR(shared / apart, 0.2, 0.2 * sidak_z * 0.018);
 }
+
+// Five statements about each of several settings: one miss anywhere spoils a run.
+TEST(tune_statistics, all_statements_about_all_settings_hold_together) {
+  constexpr int runs = 400, settings = 6;
+  constexpr double confidence = 0.8;
+  const double each = confidence_of_each(confidence, settings);
+  int spoiled = 0;
+  for (int run = 0; run < runs; ++run) {
+    bool all = true;
+    for (int setting = 0; setting < settings; ++setting) {
+      const Synthetic world{8, gaussian, 0.05, 0.5, 1.0 + 0.2 * setting, half_a_percent};
+      const Truth truth = truth_of(world);
+      const Pair pair = drawn(world, 40000 + static_cast<std::uint64_t>(run * settings + setting));
+      const Estimates e = estimate(pair.reference, pair.accurate, pair.other, each);
+      all = all && e.bias.contains(truth.bias) && std::abs(truth.bias) < e.bias_bound && e.squared_bias.contains(truth.squared_bias) &&
+            e.variance.contains(world.deviation_ratio * world.deviation_ratio) && e.speed.contains(2.0);
+    }
+    spoiled += !all;
+  }
+  std::printf("of %d runs at %g something missed in %d\n", runs, confidence, spoiled);
+  EXPECT_LT(spoiled, tolerated(runs, 1.0 - confidence, 1));
+}
+
+TEST(tune_statistics, confidence_of_each_is_bonferronis) {
+  EXPECT_DOUBLE_EQ(confidence_of_each(0.95, 1), 0.99);
+  EXPECT_DOUBLE_EQ(confidence_of_each(0.8, 4), 0.99);
+  EXPECT_LT(confidence_of_each(1.0 - 1e-16, 100), 1.0);
+}

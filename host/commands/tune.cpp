@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <vector>
 
 #include "../file_aside.h"
 #include "../schedule.h"
@@ -12,6 +13,7 @@
 #include "../tune/report.h"
 #include "../tune/table.h"
 #include "options.h"
+#include "output.h"
 
 namespace oclair {
 namespace {
@@ -52,9 +54,12 @@ class Bar {
 Exit run(const TuneOptions& options) {
   const SignalHandlers handlers;
   const bool json_only = options.json == "-";
+  std::vector<std::filesystem::path> outputs;
+  if (options.json && !json_only) outputs.emplace_back(*options.json);
   for (const auto& file : {options.html, options.settings})
-    if (file) require_writable(*file);
-  if (options.json && !json_only) require_writable(*options.json);
+    if (file) outputs.push_back(*file);
+  require_distinct(outputs, {options.request.scene});
+  for (const std::filesystem::path& file : outputs) require_writable(file);
   const Bar bar;
   const tune::Result result = tune::tune(options.request, [&](std::size_t done, std::size_t of, const std::string& name) {
     handlers.take_back();  // from a driver that has compiled
@@ -65,9 +70,9 @@ Exit run(const TuneOptions& options) {
   tune::print_table(result, lines);
   lines << tune::advice(result) << std::endl;
   if (json_only) std::cout << tune::json_of(result) << "\n";
-  if (options.json && !json_only) write_text(*options.json, tune::json_of(result) + "\n");
-  if (options.html) write_text(*options.html, tune::report_of(result));
-  if (options.settings && !result.interrupted) write_settings(*options.settings, tune::settings_of(result));
+  attempt_all({[&] { if (options.json && !json_only) write_text(*options.json, tune::json_of(result) + "\n"); },
+               [&] { if (options.html) write_text(*options.html, tune::report_of(result)); },
+               [&] { if (options.settings && !result.interrupted) write_settings(*options.settings, tune::settings_of(result)); }});
   return result.interrupted ? Exit::stopped : Exit::success;
 }
 

@@ -34,7 +34,8 @@ std::vector<Choices> candidates(const Scene& scene, int bvh_width, double mean) 
     add([](Choices& c) { c.light_sampling = LightSampling::bsdf; });
   add([&](Choices& c) { c.sampler = settings.sampler == SAMPLER_SOBOL ? SAMPLER_INDEPENDENT : SAMPLER_SOBOL; });
   if (mean > 0.0)
-    for (const double times : {4.0, 16.0, 64.0}) add([=](Choices& c) { c.clamp = two_digits(times * mean); });
+    for (const double times : {4.0, 16.0, 64.0})
+      if (const float limit = two_digits(times * mean); std::isnormal(limit)) add([=](Choices& c) { c.clamp = limit; });
   if (variant_features(variant_of(scene.features), scene.features) != scene.features) add([](Choices& c) { c.kernels = Kernels::exact; });
   add([=](Choices& c) { c.bvh_width = bvh_width == 8 ? 4 : 8; });
   return all;

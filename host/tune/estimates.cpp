@@ -1,5 +1,6 @@
 #include "estimates.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -117,6 +118,10 @@ Picture mean_picture(const std::vector<Picture>& pictures) {
   Picture mean(sums.sum.size());
   for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = static_cast<float>(sums.sum[i] / static_cast<double>(pictures.size()));
   return mean;
+}
+
+double confidence_of_each(double together, std::size_t settings) {
+  return 1.0 - std::max(1e-12, (1.0 - together) / (5.0 * static_cast<double>(settings)));
 }
 
 Estimates estimate(const Picture& reference, const Replicas& accurate, const Replicas& other, double confidence) {

@@ -4,6 +4,7 @@
 // sample would count less in their variance than in that of others.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Estimates {
   double replica_variance = 0.0;   // relative, of the mean of one replica
   double replica_seconds = 0.0;    // median
 };
+
+// With which each statement of an estimate must hold, so that all of `settings` estimates hold together: there are five, the four intervals
+// and the bound (Bonferroni). At most 1 - 1e-12.
+double confidence_of_each(double together, std::size_t settings);
 
 // Both have as many replicas, at least 2, of as many pixels. Intervals hold with `confidence` each. The speed is of replicas that were
 // rendered in turn.

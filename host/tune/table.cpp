@@ -86,8 +86,8 @@ void print_table(const Result& result, std::ostream& out) {
   for (const Row& row : result.rows) width = std::max(width, row.name.size() + 2);
   const auto line = [&](const std::string& mark, const std::string& name, const std::string& gain, const std::string& speed,
                         const std::string& variance, const std::string& pixels, const std::string& bias) {
-    out << std::left << std::setw(2) << mark << std::setw(static_cast<int>(width)) << name << std::setw(20) << gain << std::setw(20) << speed
-        << std::setw(20) << variance << std::setw(10) << pixels << bias << "\n";
+    out << std::left << std::setw(2) << mark << std::setw(static_cast<int>(width)) << name << std::setw(21) << gain << " " << std::setw(21) << speed << " "
+        << std::setw(21) << variance << " " << std::setw(10) << pixels << bias << "\n";
   };
   line("", "setting", "gain", "speed", "variance", "pixels", "bias of the mean");
   for (std::size_t i = 0; i < result.rows.size(); ++i) {

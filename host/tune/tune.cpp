@@ -85,7 +85,7 @@ class Tuner {
     prepare_accurate();
     std::vector<Choices> wanted = candidates(scene_, device_.bvh_width, mean_of(result_.picture));
     total_ = wanted.size() + 1;
-    confidence_ = 1.0 - (1.0 - request_.confidence) / static_cast<double>(total_);
+    confidence_ = confidence_of_each(request_.confidence, total_);
     result_.interval_confidence = confidence_;
     for (const Choices& chosen : wanted) measure(chosen);
     if (const auto best = best_of_each(); best) measure(*best, true);

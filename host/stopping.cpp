@@ -36,14 +36,15 @@ std::string format(const char* pattern, double a, double b, double c) {
 
 }  // namespace
 
-ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples, FilmDirectory directory)
-    : target_(target), confidence_(confidence), block_(block_samples), pixels_(FilmAllocator<Pixel>(std::move(directory))) {
+ErrorMonitor::ErrorMonitor(double target, double confidence, std::uint64_t block_samples, const FilmDirectory& directory,
+                           std::size_t pixels)
+    : target_(target), confidence_(confidence), block_(block_samples), pixels_(pixels, FilmAllocator<Pixel>(directory)) {
   assert(target > 0.0 && confidence > 0.0 && confidence < 1.0 && block_samples > 0);
 }
 
 void ErrorMonitor::add(const Film& film) {
   if (film.samples == 0 || film.samples % block_ != 0 || film.samples == samples_) return;
-  if (pixels_.size() != film.pixels.size() || film.samples != samples_ + block_) {
+  if (samples_ == 0 || pixels_.size() != film.pixels.size() || film.samples != samples_ + block_) {
     rebase(film);
     return;
   }

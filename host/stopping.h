@@ -32,9 +32,10 @@ class ErrorMonitor {
     double variance_sum;          // over the pairs of the sequence: that, without weight
   };
 
-  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. The pixels lie in `directory`, as
-  // those of a film would (film_vector.h).
-  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, FilmDirectory directory = {});
+  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. What is kept of the pixels lies in
+  // `directory`, as a film would (film_vector.h); room for so many of them is taken now, for those of a larger film with it.
+  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, const FilmDirectory& directory = {},
+               std::size_t pixels = 0);
 
   // The film after another block: counts where the samples of a pixel are a multiple of the block's. A film that is further on by
   // more than a block costs what lies between, and a pair that was begun; the first film (a resumed one, too) only gives weights.

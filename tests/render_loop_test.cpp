@@ -12,13 +12,18 @@
 #include <sstream>
 #include <thread>
 
+#include "../host/commands/render_loop.h"
+#include "../host/error.h"
+#include "faults.h"
 #include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
-
+#include "worlds.h"
 
 namespace {
 
+using namespace oclair;
+using namespace oclair::test;
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
@@ -293,4 +298,36 @@ TEST_F(render_loop_test, the_memory_is_told_before_it_is_taken) {
   ASSERT_NE(event, events.end());
   EXPECT_EQ((*event)["film"], 16 * 16 * 184);
   EXPECT_EQ((*event)["plan"], "film: 46.0 KiB in memory, all of it on the device");
+}
+
+// The disk is full when the error is judged for the first time: room for its pixels was not taken before.
+TEST_F(render_loop_test, what_fails_between_two_passes_loses_no_sample) {
+  World world;
+  add_shape(world, diffuse(0.5), Sides::both, 1.0).geometry = Geometry::sphere;
+  look(world, {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, 64, 64);
+  const Scene placed = place_scene(world);
+  const Bvh bvh = build_bvh(placed, device().bvh_width);
+  Renderer renderer = start_render(device(), placed, bvh);
+  ErrorMonitor monitor(0.1, 0.95, ErrorMonitor::usual_block, std::make_shared<const fs::path>(directory / ""));
+  std::ostringstream messages;
+  Progress progress(messages, false);
+  Checkpoint state;
+  std::vector<SampleRange> written;
+  OnTheWay way;
+  way.checkpoint_every = 3600.0;
+  way.write_checkpoint = [&](const Checkpoint& now) {
+    EXPECT_EQ(now.film.samples, count_samples(now.ranges));
+    EXPECT_EQ(now.film.pixels.size(), 64u * 64u);
+    written.insert(written.end(), now.ranges.begin(), now.ranges.end());
+  };
+  const FileSizeLimit full(64 * 64 * sizeof(ErrorMonitor::Pixel) - 1);
+  try {
+    render_until({1000, false, {}, &monitor}, renderer, state, way, progress, steady_seconds());
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit, Exit::render_failed);
+  }
+  ASSERT_EQ(written.size(), 1u);
+  EXPECT_EQ(written[0].count, renderer.samples);
+  EXPECT_GT(renderer.samples, 0u);
 }

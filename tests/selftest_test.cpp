@@ -190,6 +190,27 @@ TEST(selftest_test, boxes_without_padding_fail_as_boxes_and_let_rays_pass) {
                   {"boxes", "triangles"});
 }
 
+// NaN is not below any bound, but it is not above one either, and the numbers that follow are.
+TEST(selftest_test, results_that_are_not_numbers_fail_their_group_all_of_them_or_one) {
+  const auto expect_nan = [](const Change& change, const std::string& group, const std::string& figure) {
+    const selftest::Report report = with_changes({change}, group);
+    expect_failures(report, {group});
+    EXPECT_FALSE(group_of(report, group).figure(figure).passed()) << lines(report);
+  };
+  const std::string kahan = "difference_of_products(v.x, v.y, v.z, v.w));", root = "sqrt(v.x), rsqrt(v.x)";
+  expect_nan({"selftest.cl", kahan, "NAN);"}, "contraction", "ulp of a b - c d by Kahan");
+  expect_nan({"selftest.cl", kahan, "i == 1000 ? NAN : " + kahan}, "contraction", "ulp of a b - c d by Kahan");
+  expect_nan({"selftest.cl", root, "i == 1000 ? NAN : " + root}, "accuracy", "sqrt");
+}
+
+// Directions that are made of it are none: every group has its verdict all the same.
+TEST(selftest_test, a_function_that_gives_nan_everywhere_fails_and_every_group_has_its_verdict) {
+  const selftest::Report report = with_changes({{"vector.h", "return difference + error;", "return NAN;"}});
+  EXPECT_EQ(report.groups.size(), selftest::run_selftest(open_device()).groups.size());
+  const Names names = failed(report);
+  EXPECT_TRUE(names.count("contraction") && names.count("surfaces")) << lines(report);
+}
+
 // One fault more for each group that the others leave out.
 TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
   struct Fault {

@@ -196,6 +196,18 @@ TEST_F(render_loop_test, no_file_is_overwritten_that_is_something_else) {
   expect_exit(0, {"merge", a, b, "-o", c, "--checkpoint", a});  // one of the parts
 }
 
+// Nothing is written within an hour, and nothing at all before the first pass has ended.
+TEST_F(render_loop_test, a_restart_that_ends_before_it_has_written_anything_keeps_the_checkpoint) {
+  expect_exit(0, render(image("a"), {"--spp", "2", "--checkpoint", checkpoint("a").string()}));
+  const std::string before = bytes_of(checkpoint("a"));
+  std::string err;
+  const Arguments endless = render(image("a"), {"--spp", "1000000000", "--progress", "json", "--every", "1h", "--restart", "--size", "1024x1024"});
+  EXPECT_EQ(exit_after_signals(endless, {{"\"phase\":\"passes\"", SIGKILL}}, err), 128 + SIGKILL);
+  EXPECT_TRUE(bytes_of(checkpoint("a")) == before);
+  expect_exit(0, render(image("a"), {"--spp", "1", "--restart"}));  // nobody has asked for it now
+  EXPECT_FALSE(fs::exists(checkpoint("a")));
+}
+
 // The image cannot be written at the end: what has been rendered is in the checkpoint.
 TEST_F(render_loop_test, a_film_outlives_an_image_that_cannot_be_written) {
   const Arguments slow = render(image("a"), {"--time", "2", "--progress", "json", "--size", "64x64"});

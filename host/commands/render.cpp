@@ -236,7 +236,6 @@ Exit render(const RenderOptions& options) {
     take_film(renderer, state.film);  // its arrays, for those of the file
     restore_film(renderer, read_checkpoint(options.checkpoint, std::move(state.film)).film);
   }
-  if (options.restart) remove_checkpoint(options.checkpoint);
 
   phases.begin("passes", renderer.samples * scene.settings.crop_width * scene.settings.crop_height);
   std::optional<TevClient> viewer;

@@ -107,6 +107,19 @@ TEST_F(merge_command_test, a_part_may_become_the_whole) {
   EXPECT_EQ(directory.names().size(), 2u);
 }
 
+// A checkpoint is one whatever its name, and an image does not hold its sums.
+TEST_F(merge_command_test, no_part_becomes_the_image) {
+  const std::string part = directory / "part.exr", link = directory / "link.exr";
+  fs::copy_file(b, part);
+  fs::create_symlink(part, link);
+  for (const std::string& output : {part, link}) {
+    const ProgramResult result = run_oclair({"merge", a, part, "-o", output});
+    EXPECT_EQ(result.exit, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, output + ": is another output or an input of this command as well")) << result.err;
+    EXPECT_TRUE(content(part) == content(b));
+  }
+}
+
 TEST_F(merge_command_test, the_same_samples_twice_are_refused_with_both_files_and_ranges) {
   write_checkpoint(b, random_checkpoint({{16, 48}}, 2));
   expect_refused(merge_them({"-o", image.string()}), {a, b, "0:32", "16:48", "overlap"});

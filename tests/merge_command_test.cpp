@@ -5,6 +5,7 @@
 #include "../host/checkpoint_lock.h"
 #include "checkpoint_cases.h"
 #include "exr_reader.h"
+#include "faults.h"
 #include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
@@ -146,6 +147,14 @@ TEST_F(merge_command_test, a_damaged_part_is_refused_and_what_was_there_is_kept)
   expect_refused(merge_them({"--checkpoint", a}), {b + ": was cut short"});
   EXPECT_TRUE(content(a) == old);
   expect_refused(run_oclair({"merge", a, directory / "none", "-o", image.string()}), {"none: cannot be read: No such file"});
+}
+
+TEST_F(merge_command_test, of_several_files_that_cannot_be_written_each_is_named_on_one_line) {
+  const FileSizeLimit full(100);
+  const ProgramResult result = merge_them({"-o", image.string(), "--checkpoint", joined_file.string()});
+  expect_refused(result, {image.string() + ": cannot be written: ", "; " + joined_file.string() + ": cannot be written: "});
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), ';'), 1) << result.err;
+  EXPECT_FALSE(fs::exists(joined_file));
 }
 
 TEST_F(merge_command_test, a_checkpoint_that_a_render_writes_is_left_to_it) {

@@ -180,6 +180,8 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
 bool begins_like_checkpoint(const fs::path& path) {
   const std::string ours = FORMAT.substr(0, FORMAT.rfind(' ') + 1);
   std::string first(ours.size(), '\0');
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;  // a pipe would wait for its writer
   std::ifstream file(path, std::ios::binary);
   return file.read(first.data(), static_cast<std::streamsize>(first.size())) && first == ours;
 }

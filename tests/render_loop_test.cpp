@@ -4,6 +4,7 @@
 #include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -168,6 +169,18 @@ TEST_F(render_loop_test, a_resumed_render_is_the_uninterrupted_one_bit_for_bit) 
       EXPECT_TRUE(fs::exists(checkpoint("part")));    // somebody has asked for it
       EXPECT_FALSE(fs::exists(checkpoint("whole")));  // nobody has
     }
+}
+
+TEST_F(render_loop_test, a_pipe_in_the_place_of_a_checkpoint_is_refused_and_not_waited_for) {
+  ASSERT_EQ(mkfifo(checkpoint("a").c_str(), 0600), 0);
+  for (const std::string how : {"--resume", "--restart"}) {
+    const ProgramResult result = run_oclair_for(60.0, render(image("a"), {"--spp", "1", how}));
+    EXPECT_EQ(result.exit, 1) << result.err;
+    EXPECT_NE(result.err.find("a.checkpoint: is not a checkpoint, expected one or no file"), std::string::npos) << result.err;
+  }
+  const ProgramResult info = run_oclair_for(60.0, {"info", checkpoint("a").string()});
+  EXPECT_EQ(info.exit, 1) << info.err;
+  EXPECT_NE(info.err.find("a.checkpoint: is not a regular file, expected a checkpoint"), std::string::npos) << info.err;
 }
 
 TEST_F(render_loop_test, no_file_is_overwritten_that_is_something_else) {

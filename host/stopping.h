@@ -53,18 +53,22 @@ class ErrorMonitor {
   template <class Body>
   void for_each_pixel(const Film& film, const Body& body);
   void rebase(const Film& film);
+  void begin_pair(const Film& film);
+  void end_pair(const Film& film);
   void set_weights(const Film& film);
   void begin_sequence(double floor);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
   std::array<double, 3> known_mean(const Film& film, std::size_t pixel) const;
   std::uint64_t pairs_needed() const;
+  std::uint64_t samples_to_judge() const;  // per pixel, until there are so many
+  bool bound_reached() const;  // after the fewest pairs: the bound is below the target
   double alpha() const;
   double burst_share() const;
 
   double target_, confidence_;
   std::uint64_t block_;
   std::uint64_t samples_ = 0;  // of the last film that counted
-  std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
+  std::optional<double> film_error_;  // image_error of that film, of all its samples, those before a resume too; nothing before bound_reached
   bool pair_begun_ = false, black_ = true;
   FilmVector<Pixel> pixels_;
   std::uint64_t unknown_pixels_ = 0;

@@ -222,7 +222,7 @@ TEST_F(film_file_test, parts_merge_in_files_to_the_whole_render_in_memory) {
 // 1024^2 pixels take 184 MiB. What a film of 16^2 pixels costs is the program, its compiler and its scene; what the large one costs
 // beyond that must be below an eighth of the film: the rows of an image that are written at a time, with their values, are
 // 64 x 1024 x (184 + 32) bytes, 14 MiB, a band is less.
-TEST_F(film_file_test, a_render_in_files_and_a_merge_hold_an_eighth_of_the_film_in_memory_at_most) {
+TEST_F(film_file_test, a_render_in_files_a_merge_and_info_hold_an_eighth_of_the_film_in_memory_at_most) {
   constexpr std::size_t film = std::size_t{1024} * 1024 * 184;
   const Arguments small = {"--size", "16x16", "--max-depth", "1"}, large = {"--size", "1024x1024", "--max-depth", "1", "--host-memory", "4"};
   const auto memory = [&](const std::string& name, const Arguments& size, const Arguments& more, int exit = 0) {
@@ -237,6 +237,7 @@ TEST_F(film_file_test, a_render_in_files_and_a_merge_hold_an_eighth_of_the_film_
   EXPECT_LT(memory("a", large, {"--samples", "0:1", "--png"}), least + film / 8);
   EXPECT_LT(memory("a", large, {"--samples", "0:2", "--resume"}), least + film / 8);
   EXPECT_LT(memory("b", large, {"--samples", "16:1", "--error", "0.001"}, 5), least + film / 8);
+  EXPECT_LT(most_memory({"info", path("b.checkpoint")}), least + film / 8);
   memory("y", small, {"--samples", "16:1"});
   const std::size_t least_merge = merge("x.checkpoint", "y.checkpoint", "1");
   EXPECT_LT(merge("a.checkpoint", "b.checkpoint", "4"), least_merge + film / 8);

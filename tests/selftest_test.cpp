@@ -237,6 +237,21 @@ TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
   for (const Fault& fault : faults) expect_failures(with_changes({fault.change}, fault.group), {fault.group});
 }
 
+// Products that are not denormal, of factors that are not, have no reason to be 0.
+TEST(selftest_test, a_normal_product_that_becomes_0_is_wrong_and_not_flushed) {
+  const std::string product = "xy[i].x * xy[i].y";
+  const selftest::Report report =
+      with_changes({{"selftest.cl", "result[i] = " + product, "result[i] = fabs(" + product + ") < 0x1p-125f ? 0.0f : " + product}}, "denormals");
+  expect_failures(report, {"denormals"});
+  EXPECT_FALSE(group_of(report, "denormals").figure("wrong").passed()) << lines(report);
+}
+
+TEST(selftest_test, a_zero_without_its_sign_and_a_difference_that_is_off_by_an_ulp_fail_as_exceptions) {
+  const std::string results = "(float8)(x + y, x - y, x * y,";
+  for (const std::string& wrong : {"(float8)(x + y, x - y, x * y + 0.0f,", "(float8)(x + y, (x - y) * (1.0f + FLT_EPSILON), x * y,"})
+    expect_failures(with_changes({{"selftest.cl", results, wrong}}, "exceptions"), {"exceptions"});
+}
+
 TEST(selftest_test, a_program_that_does_not_compile_is_an_error_of_the_device) {
   try {
     with_changes({{"selftest.cl", "PROBE layout(uint count,", "PROBE layout(unknown count,"}});

@@ -78,7 +78,7 @@ inline const std::vector<ExtremeGroup>& extreme_groups() {
          "The host moves the scene to the origin and scales it by a power of two, in double.",
          {{"frame_test.scaling_by_a_power_of_two_or_an_exact_shift_changes_no_bit_of_the_scene", ""},
           {"metamorphic_image.scene_scaled_by_a_power_of_two_is_the_same_film", ""},
-          {"metamorphic_image.scene_moved_far_away_is_the_same_film", "standard errors; the film's mean, moved by 1e6"}}},
+          {"metamorphic_image.scene_moved_far_away_is_the_same_film", "standard errors of the pixels' differences; the film's mean, moved by 1e6"}}},
         {"X12", "Tiny scenes", "Absolute thresholds (1e-4, 1e-8) swallow them.", "No absolute epsilon on a length: scaled by 2^-20 the bits are the same.",
          {{"metamorphic_image.scene_scaled_by_a_power_of_two_is_the_same_film", ""},
           {"watertight_test.no_ray_leaves_a_displaced_icosphere", ""}}},

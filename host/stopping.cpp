@@ -183,8 +183,8 @@ std::uint64_t ErrorMonitor::samples_to_judge() const {
 }
 
 // What may go wrong in this sequence of pairs, for each of two reasons. Of all sequences together it is (1 - confidence) /
-// 2: the first one has 15/16 of that, those after it 1/32, 1/64, ... Sequences that ended before they could certify had no
-// chance to go wrong.
+// 2: the first one has 15/16 of that, those after it 1/32, 1/64, ... One that ended before it could certify leaves its share to the
+// next. It was never asked, but when it ended was decided by its samples: for this the sum over all sequences is approximate.
 double ErrorMonitor::alpha() const {
   const int spent = static_cast<int>(std::min<std::uint64_t>(spent_sequences_, 60));
   const double share = spent == 0 ? 0.9375 : std::ldexp(1.0, -4 - spent);

@@ -198,7 +198,8 @@ PROBE leave(uint count, __global const TriangleBlock *blocks, __global const Sha
   again[i] = mask >> (hits[i].slot % BVH_WIDTH) & 1u;
 }
 
-// `bounces` diffuse bounces inside a closed scene; returns after how many the path got out, or `bounces`.
+// `bounces` diffuse bounces inside a closed scene; returns after how many the path got out, or had no direction any more (what is not
+// finite ends nowhere in a tree of boxes), or `bounces`.
 PROBE walk(uint count, __global const BvhNode *nodes, __global const TriangleBlock *blocks, __global const Quadric *quadrics,
            __global const Shape *shapes, __global const uint *triangle_shape, __global const Ray *start, uint bounces,
            __global uint *survived) {
@@ -214,6 +215,7 @@ PROBE walk(uint count, __global const BvhNode *nodes, __global const TriangleBlo
     if (hit.primitive == NONE) break;
     const Surface s = surface_from_hit(&scene, &ray, hit);
     const float3 w = renormalize(frame_to_world(s.frame, warp_cosine_hemisphere(rng_point(rng_bits(key, n)))));
+    if (!(fabs(dot(w, w) - 1.0f) < 0x1p-10f)) break;
     ray.origin = pack3(surface_offset(s.position, s.error, s.geometric, w));
     ray.direction = pack3(w);
     ray.skip = hit.primitive;

@@ -15,6 +15,7 @@
 #include "checkpoint_head.h"
 #include "error.h"
 #include "file_aside.h"
+#include "film.h"
 #include "xxh3.h"
 
 namespace oclair {
@@ -40,7 +41,7 @@ std::string prologue(const std::string& head) {
   return FORMAT + std::string(SIZE_DIGITS - digits.size(), '0') + digits + " " + xxh3_digits(head.data(), head.size()) + "\n";
 }
 
-// A file that is read from its start to its end.
+// A file that is read from its start to its end. It stays the same one when another takes its name meanwhile.
 class Input {
  public:
   explicit Input(const fs::path& path) : path_(path) {
@@ -50,7 +51,13 @@ class Input {
     file_.reset(fdopen(descriptor, "rb"));
     if (!file_ || fstat(descriptor, &status) != 0) fail_to_read(errno);
     if (!S_ISREG(status.st_mode)) fail(path, "is not a regular file", "a checkpoint");
-    rest_ = static_cast<std::uint64_t>(status.st_size);
+    rest_ = size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+
+  // Back, or forth, to where so many bytes follow.
+  void go_to(std::uint64_t rest) {
+    if (fseeko(file_.get(), static_cast<off_t>(size_ - rest), SEEK_SET) != 0) fail_to_read(errno);
+    rest_ = rest;
   }
 
   std::uint64_t rest() const { return rest_; }  // bytes that follow
@@ -78,7 +85,7 @@ class Input {
 
   fs::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::uint64_t rest_ = 0;
+  std::uint64_t size_ = 0, rest_ = 0;
 };
 
 std::optional<std::size_t> decimal(const std::string& digits) {
@@ -140,6 +147,17 @@ void for_each_bytes(Array& array, Use use) {
                  array);
 }
 
+[[noreturn]] void fail_of_checksum(const fs::path& path, const ArrayEntry& entry) {
+  fail(path, "its array " + entry.name + " is damaged", "the checksum that its head says");
+}
+
+// No pixel counts more samples than there are.
+void check_counts(const fs::path& path, const Film& film, std::size_t pixel) {
+  const FilmPixel& counts = film.pixels[pixel];
+  if (counts.rejected > film.samples || counts.hits > film.samples - counts.rejected)
+    fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(film.samples));
+}
+
 template <typename Array>
 void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, Array& values) {
   values.resize(entry.bytes / sizeof values[0]);
@@ -149,7 +167,7 @@ void read_array(const fs::path& path, Input& input, const ArrayEntry& entry, Arr
     checksum.add(bytes, count);
   });
   if (checksum.digits() != entry.checksum)
-    fail(path, "its array " + entry.name + " is damaged", "the checksum that its head says");
+    fail_of_checksum(path, entry);
 }
 
 void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntry>& entries, Checkpoint& checkpoint) {
@@ -157,11 +175,44 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
   for_each_array([&](const char*, bool, auto& values) { read_array(path, input, entries[next++], values); }, checkpoint.film);
   for (Layer& layer : checkpoint.layers) read_array(path, input, entries[next++], layer.values);
   const Film& film = checkpoint.film;
-  const std::uint64_t samples = film.samples;
-  for_each_element(film.pixels.size(), [&](std::size_t i) {
-    if (film.pixels[i].rejected > samples || film.pixels[i].hits > samples - film.pixels[i].rejected)
-      fail(path, "a pixel counts more samples than there are", "at most " + std::to_string(samples));
-  }, film.pixels);
+  for_each_element(film.pixels.size(), [&](std::size_t i) { check_counts(path, film, i); }, film.pixels);
+}
+
+// Reads what read_arrays does, and keeps nothing.
+void check_checksums(const fs::path& path, Input& input, const std::vector<ArrayEntry>& entries) {
+  std::vector<char> piece(std::size_t{1} << 20);
+  for (const ArrayEntry& entry : entries) {
+    Xxh3 checksum;
+    for (std::uint64_t rest = entry.bytes; rest > 0;) {
+      const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(rest, piece.size()));
+      input.read(piece.data(), count);
+      checksum.add(piece.data(), count);
+      rest -= count;
+    }
+    if (checksum.digits() != entry.checksum) fail_of_checksum(path, entry);
+  }
+}
+
+// Calls look(film, pixel) for each pixel, with pixels and errors of films that are pieces of the file's, whose arrays begin where `rest`
+// bytes follow.
+template <typename Look>
+void look_at_pixels(Input& input, std::uint64_t rest, const CheckpointHead& head, Look look) {
+  Film piece = head.checkpoint.film;
+  const auto read = [&](auto& array, const std::string& name, std::size_t first, std::size_t end) {
+    array.resize(end - first);
+    std::uint64_t before = first * sizeof array[0];
+    for (const ArrayEntry& entry : head.arrays) {
+      if (entry.name == name) break;
+      before += entry.bytes;
+    }
+    input.go_to(rest - before);
+    input.read(array.data(), array.size() * sizeof array[0]);
+  };
+  for_each_piece(std::size_t{piece.width} * piece.height, [&](std::size_t first, std::size_t end) {
+    read(piece.pixels, "pixels", first, end);
+    read(piece.errors, "errors", first, end);
+    for (std::size_t i = 0; i < end - first; ++i) look(piece, i);
+  });
 }
 
 [[maybe_unused]] bool is_sound(const Checkpoint& checkpoint) {
@@ -180,6 +231,8 @@ void read_arrays(const fs::path& path, Input& input, const std::vector<ArrayEntr
 bool begins_like_checkpoint(const fs::path& path) {
   const std::string ours = FORMAT.substr(0, FORMAT.rfind(' ') + 1);
   std::string first(ours.size(), '\0');
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;  // a pipe would wait for its writer
   std::ifstream file(path, std::ios::binary);
   return file.read(first.data(), static_cast<std::streamsize>(first.size())) && first == ours;
 }
@@ -214,6 +267,27 @@ Checkpoint read_checkpoint_head(const fs::path& path) {
   CheckpointHead head = read_head(path, input);
   check_arrays(path, head, input.rest());
   return std::move(head.checkpoint);
+}
+
+CheckpointSummary summarize_checkpoint(const fs::path& path) {
+  Input input(path);
+  CheckpointHead head = read_head(path, input);
+  const std::uint64_t rest = input.rest();
+  check_arrays(path, head, rest);
+  check_checksums(path, input, head.arrays);
+  const Film& film = head.checkpoint.film;
+  CheckpointSummary summary;
+  ImageError error(std::size_t{film.width} * film.height);
+  look_at_pixels(input, rest, head, [&](const Film& piece, std::size_t i) {
+    check_counts(path, piece, i);
+    summary.rejected += piece.pixels[i].rejected;
+    error.add_to_mean(piece, i);
+  });
+  look_at_pixels(input, rest, head, [&](const Film& piece, std::size_t i) { error.add_to_error(piece, i); });
+  summary.error = error.result();
+  for (const ArrayEntry& entry : head.arrays) summary.moments |= entry.name == "moments" && entry.bytes > 0;
+  summary.head = std::move(head.checkpoint);
+  return summary;
 }
 
 Checkpoint read_checkpoint(const fs::path& path, Film film) {

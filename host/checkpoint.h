@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -43,6 +44,17 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, Film film = {});
 
 // The same without the arrays: the film has its size, exponent and number of samples, the layers their names.
 Checkpoint read_checkpoint_head(const std::filesystem::path& path);
+
+// What its film comes to, for who needs no pixel of it.
+struct CheckpointSummary {
+  Checkpoint head;  // as of read_checkpoint_head
+  bool moments = false;
+  std::uint64_t rejected = 0;   // rejected_samples
+  std::optional<double> error;  // image_error
+};
+
+// Every byte is checked as by read_checkpoint, which throws the same, in the memory of some MiB.
+CheckpointSummary summarize_checkpoint(const std::filesystem::path& path);
 
 // Whether a file begins like a checkpoint: one that does not is none of ours to replace.
 bool begins_like_checkpoint(const std::filesystem::path& path);

@@ -16,6 +16,8 @@ long double value(const ulong* limbs, int count, int exponent) {
 
 std::uint64_t accepted(const Film& film, std::size_t pixel) { return film.samples - film.pixels[pixel].rejected; }
 
+double square(const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
 }  // namespace
 
 std::array<double, 3> pixel_mean(const Film& film, std::size_t pixel) {
@@ -61,24 +63,28 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
   return error;
 }
 
+void ImageError::add_to_mean(const Film& film, std::size_t pixel) {
+  const auto mean = pixel_mean(film, pixel);
+  for (int c = 0; c < 3; ++c) mean_[c] += mean[c] / count_;
+}
+
+void ImageError::add_to_error(const Film& film, std::size_t pixel) {
+  if (const auto error = pixel_standard_error(film, pixel)) sum_ += square(*error) / (square(pixel_mean(film, pixel)) + floor());
+  else complete_ = false;
+}
+
+double ImageError::floor() const { return 0.01 * square(mean_); }
+
+std::optional<double> ImageError::result() const {
+  return complete_ && floor() > 0.0 ? std::optional(std::sqrt(sum_ / count_)) : std::nullopt;
+}
+
 std::optional<double> image_error(const Film& film) {
   if (film.replicas < 2) return std::nullopt;
-  const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-  const double count = static_cast<double>(film.pixels.size());
-  std::array<double, 3> image_mean{};
-  for_each_element(film.pixels.size(), [&](std::size_t i) {
-    const auto mean = pixel_mean(film, i);
-    for (int c = 0; c < 3; ++c) image_mean[c] += mean[c] / count;
-  }, film);
-  const double floor = 0.01 * square(image_mean);
-  if (!(floor > 0.0)) return std::nullopt;
-  double sum = 0.0;
-  bool complete = true;
-  for_each_element(film.pixels.size(), [&](std::size_t i) {
-    if (const auto error = pixel_standard_error(film, i)) sum += square(*error) / (square(pixel_mean(film, i)) + floor);
-    else complete = false;
-  }, film);
-  return complete ? std::optional(std::sqrt(sum / count)) : std::nullopt;
+  ImageError error(film.pixels.size());
+  for_each_element(film.pixels.size(), [&](std::size_t i) { error.add_to_mean(film, i); }, film);
+  for_each_element(film.pixels.size(), [&](std::size_t i) { error.add_to_error(film, i); }, film);
+  return error.result();
 }
 
 double pixel_alpha(const Film& film, std::size_t pixel) {

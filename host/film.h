@@ -25,6 +25,22 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
 // with fewer than two complete replicas, for a black image, or where a pixel has no accepted sample.
 std::optional<double> image_error(const Film& film);
 
+// The same of a film that is seen pixel by pixel, twice.
+class ImageError {
+ public:
+  explicit ImageError(std::size_t pixels) : count_(static_cast<double>(pixels)) {}
+  void add_to_mean(const Film& film, std::size_t pixel);   // every pixel,
+  void add_to_error(const Film& film, std::size_t pixel);  // and then every one again
+  std::optional<double> result() const;
+
+ private:
+  double floor() const;
+
+  double count_, sum_ = 0.0;
+  std::array<double, 3> mean_{};
+  bool complete_ = true;
+};
+
 // Share of the accepted samples that met something, in [0, 1].
 double pixel_alpha(const Film& film, std::size_t pixel);
 

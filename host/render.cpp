@@ -138,7 +138,7 @@ Renderer start_render(const Device& device, const Scene& scene, const Bvh& bvh, 
     Renderer renderer{&device, scene.settings, film, upload(device, plan),
                       {zeroed(device, film.film), zeroed(device, film.moments), zeroed(device, film.errors)},
                       zeroed(device, max_launch * sizeof(cl_ulong)), {}};
-    if (film.bands > 1) allocate(renderer, renderer.on_host);
+    if (film.bands > 1 || film.directory) allocate(renderer, renderer.on_host);  // in files: a full disk is told now
     renderer.kernel = cl::Kernel(build_program(device, device.kernels / "path.cl", kernel_options(scene, bvh)), "render");
     const cl_uint next = bind_scene(renderer.kernel, renderer.scene);
     renderer.kernel.setArg(next, renderer.film.pixels);
@@ -186,7 +186,7 @@ std::uint64_t ray_count(const Renderer& renderer) {
 }
 
 Film read_film(const Renderer& renderer) {
-  Film film = renderer.on_host;
+  Film film = renderer.plan.bands > 1 ? renderer.on_host : Film();
   set_counts(renderer, film);
   if (renderer.plan.bands == 1) read_whole(renderer, film);
   return film;
@@ -194,12 +194,12 @@ Film read_film(const Renderer& renderer) {
 
 void take_film(Renderer& renderer, Film& film) {
   set_counts(renderer, film);
+  if (!renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
   if (renderer.plan.bands == 1) read_whole(renderer, film);
-  else if (!renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
 }
 
 void return_film(Renderer& renderer, Film& film) {
-  if (renderer.plan.bands > 1 && renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
+  if (renderer.on_host.pixels.empty()) swap_arrays(renderer.on_host, film);
 }
 
 void restore_film(Renderer& renderer, Film film) {
@@ -216,8 +216,8 @@ void restore_film(Renderer& renderer, Film film) {
                                          std::to_string(film.samples / REPLICA_SAMPLES) + " replicas");
   try {
     renderer.device->queue.enqueueFillBuffer(renderer.rays, cl_ulong{0}, 0, max_launch * sizeof(cl_ulong));
-    if (renderer.plan.bands > 1) swap_arrays(renderer.on_host, film);
-    else write_band(renderer, 0, film);
+    if (renderer.plan.bands == 1) write_band(renderer, 0, film);
+    swap_arrays(renderer.on_host, film);
   } catch (const cl::Error& error) {
     throw device_error(*renderer.device, error);
   }

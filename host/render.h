@@ -60,7 +60,9 @@ struct Renderer {
   std::uint64_t first_sample = 0;  // number of the first sample that is rendered, a multiple of REPLICA_SAMPLES
   std::uint64_t samples = 0;       // per pixel, from there on, so far
   std::uint64_t restored_rays = 0; // of a film that was put back
-  Film on_host{};                  // its arrays, if there are several bands: the buffers hold one at a time. Empty while they are lent
+  // Its arrays here. Of several bands the buffers hold one at a time, and these are the film; of one they are room for what is read.
+  // Empty while they are lent, and before the first reading if they lie in memory and there is one band.
+  Film on_host{};
 };
 
 KernelOptions kernel_options(const Scene& scene, const Bvh& bvh);
@@ -81,8 +83,8 @@ std::uint64_t ray_count(const Renderer& renderer);
 // A copy of the film.
 Film read_film(const Renderer& renderer);
 
-// Brings `film` up to the renderer without a copy of what is on the host already: of a film in bands the arrays are lent, and must be
-// back before the next pass.
+// Brings `film` up to the renderer without a copy of what is on the host already: the arrays there are lent. Those of a film in bands
+// must be back before the next pass.
 void take_film(Renderer& renderer, Film& film);
 void return_film(Renderer& renderer, Film& film);
 

@@ -32,9 +32,10 @@ class ErrorMonitor {
     double variance_sum;          // over the pairs of the sequence: that, without weight
   };
 
-  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. The pixels lie in `directory`, as
-  // those of a film would (film_vector.h).
-  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, FilmDirectory directory = {});
+  // Certifies, with probability `confidence` in (0, 1), that the error is below `target` > 0. What is kept of the pixels lies in
+  // `directory`, as a film would (film_vector.h); room for so many of them is taken now, for those of a larger film with it.
+  ErrorMonitor(double target, double confidence, std::uint64_t block_samples = usual_block, const FilmDirectory& directory = {},
+               std::size_t pixels = 0);
 
   // The film after another block: counts where the samples of a pixel are a multiple of the block's. A film that is further on by
   // more than a block costs what lies between, and a pair that was begun; the first film (a resumed one, too) only gives weights.
@@ -52,18 +53,22 @@ class ErrorMonitor {
   template <class Body>
   void for_each_pixel(const Film& film, const Body& body);
   void rebase(const Film& film);
+  void begin_pair(const Film& film);
+  void end_pair(const Film& film);
   void set_weights(const Film& film);
   void begin_sequence(double floor);
   std::array<double, 3> take_block(const Film& film, std::size_t pixel);
   std::array<double, 3> known_mean(const Film& film, std::size_t pixel) const;
   std::uint64_t pairs_needed() const;
+  std::uint64_t samples_to_judge() const;  // per pixel, until there are so many
+  bool bound_reached() const;  // after the fewest pairs: the bound is below the target
   double alpha() const;
   double burst_share() const;
 
   double target_, confidence_;
   std::uint64_t block_;
   std::uint64_t samples_ = 0;  // of the last film that counted
-  std::optional<double> film_error_;  // image_error of that film: of all its samples, those before a resume too
+  std::optional<double> film_error_;  // image_error of that film, of all its samples, those before a resume too; nothing before bound_reached
   bool pair_begun_ = false, black_ = true;
   FilmVector<Pixel> pixels_;
   std::uint64_t unknown_pixels_ = 0;

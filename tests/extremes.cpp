@@ -2,27 +2,46 @@
 // the others.
 #include "extremes.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
+#include "../host/device.h"
 #include "extremes_rows.h"
+#include "temporary_directory.h"
 
 using namespace oclair::test;
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Record {
   double measured, bound;
 };
 
-// What this run or an earlier one of this build has recorded, by extreme_record.
-std::map<std::string, Record> read_records() {
+// When the tests, or the kernels that they compile, were last changed.
+fs::file_time_type last_change() {
+  fs::file_time_type last = fs::last_write_time("/proc/self/exe");
+  for (const fs::path& directory : {oclair::kernel_directory(), fs::path(OCLAIR_TEST_DIRECTORY)})
+    for (const auto& entry : fs::directory_iterator(directory))
+      if (const std::string kind = entry.path().extension().string(); kind == ".cl" || (kind == ".h" && directory == oclair::kernel_directory()))
+        last = std::max(last, entry.last_write_time());
+  return last;
+}
+
+// What this run or an earlier one of these tests has recorded, by extreme_record. Of what was recorded before they were last changed
+// nobody knows whether they would record it again.
+std::map<std::string, Record> read_records(const fs::path& directory = extremes_directory()) {
   std::map<std::string, Record> records;
-  if (extremes_directory().empty()) throw std::runtime_error("OCLAIR_EXTREMES is not set: run ctest");
-  for (const auto& entry : std::filesystem::directory_iterator(extremes_directory())) {
+  if (directory.empty()) throw std::runtime_error("OCLAIR_EXTREMES is not set: run ctest");
+  const fs::file_time_type changed = last_change();
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    if (entry.last_write_time() < changed) continue;
     std::ifstream file(entry.path());
     Record record{};
     EXPECT_TRUE(file >> record.measured >> record.bound) << entry.path();
@@ -111,7 +130,7 @@ TEST(extremes, every_named_test_exists_and_has_recorded_a_figure_within_its_boun
         named.insert(extreme_record(extreme.row, test.name));
         const auto record = records.find(extreme_record(extreme.row, test.name));
         if (record == records.end()) {
-          ADD_FAILURE() << extreme.row << ": no figure of " << test.name << "; run all tests first";
+          ADD_FAILURE() << extreme.row << ": no figure of " << test.name << " since tests or kernels were changed; run all tests first";
           continue;
         }
         EXPECT_LE(record->second.measured, record->second.bound) << extreme.row << " " << test.name;
@@ -140,9 +159,23 @@ TEST(extremes, the_page_is_made_of_the_rows_and_its_figures_keep_their_bounds) {
   EXPECT_FALSE(std::getline(file, line)) << page_path() << " goes on after its last line";
 }
 
+TEST(extremes, what_was_recorded_before_the_tests_were_changed_does_not_count) {
+  const TemporaryDirectory directory;
+  for (const char* name : {"X1.old", "X1.new"}) std::ofstream(directory / name) << "0.5 1\n";
+  fs::last_write_time(directory / "X1.old", last_change() - std::chrono::seconds(1));
+  const std::map<std::string, Record> records = read_records(directory / "");
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records.begin()->first, "X1.new");
+}
+
 // What the target extremes_page runs.
 TEST(extremes, DISABLED_write_page) {
+  const std::map<std::string, Record> records = read_records();
+  for (const ExtremeGroup& group : extreme_groups())
+    for (const Extreme& extreme : group.extremes)
+      for (const ExtremeTest& test : extreme.tests)
+        ASSERT_TRUE(records.count(extreme_record(extreme.row, test.name))) << "no figure of " << test.name << "; run all tests first";
   std::ofstream file(page_path());
-  file << page(read_records());
+  file << page(records);
   EXPECT_TRUE(file.flush().good()) << page_path();
 }

@@ -157,6 +157,29 @@ TEST_F(film_file_test, a_disk_without_room_ends_a_render_with_a_message_before_i
   EXPECT_TRUE(directory.names().empty());
 }
 
+// What --error keeps of 1024x1024 pixels is 72 MiB, less than the film's largest array, so it is asked for first. 8192x8 pixels are one
+// band, of which the device holds all: the pixels are 4 MiB.
+TEST_F(film_file_test, room_for_the_error_and_for_a_film_of_one_band_is_taken_before_the_first_sample_too) {
+  const auto refused = [&](std::size_t limit, const Arguments& options, const std::string& size) {
+    const FileSizeLimit full(limit << 20);
+    const ProgramResult result = run_oclair(render("a", in_file, options));
+    EXPECT_EQ(result.exit, 1) << result.err;
+    EXPECT_NE(result.err.find(size + " MiB of the film cannot lie here: File too large, expected "), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("passes"), std::string::npos) << result.err;
+  };
+  refused(68, {"--size", "1024x1024", "--spp", "1", "--error", "0.1"}, "72");
+  refused(2, {"--size", "8192x8", "--spp", "1"}, "4");
+}
+
+// The files of a film in one band are those of its beginning until its end, with a resume between.
+TEST_F(film_file_test, a_film_of_one_band_in_files_gives_the_film_of_one_in_memory) {
+  const Arguments size = {"--size", "8192x8", "--max-depth", "1"};
+  expect_success(render("a", size, {"--spp", "3"}));
+  expect_success(render("b", size, {"--spp", "1", "--host-memory", "1"}));
+  expect_success(render("b", size, {"--spp", "3", "--host-memory", "1", "--resume"}));
+  expect_same_film(read_checkpoint(path("a.checkpoint")).film, read_checkpoint(path("b.checkpoint")).film);
+}
+
 // 184 bytes a pixel: 200x130 are 4.6 MiB. The head of a checkpoint holds the command line; what follows is compared.
 TEST_F(film_file_test, a_film_in_files_gives_the_image_and_the_checkpoint_of_one_in_memory) {
   const Arguments options = {"--size", "200x130", "--spp", "33", "--png", "--aov", "depth,uv", "--error", "1e-6"};
@@ -199,7 +222,7 @@ TEST_F(film_file_test, parts_merge_in_files_to_the_whole_render_in_memory) {
 // 1024^2 pixels take 184 MiB. What a film of 16^2 pixels costs is the program, its compiler and its scene; what the large one costs
 // beyond that must be below an eighth of the film: the rows of an image that are written at a time, with their values, are
 // 64 x 1024 x (184 + 32) bytes, 14 MiB, a band is less.
-TEST_F(film_file_test, a_render_in_files_and_a_merge_hold_an_eighth_of_the_film_in_memory_at_most) {
+TEST_F(film_file_test, a_render_in_files_a_merge_and_info_hold_an_eighth_of_the_film_in_memory_at_most) {
   constexpr std::size_t film = std::size_t{1024} * 1024 * 184;
   const Arguments small = {"--size", "16x16", "--max-depth", "1"}, large = {"--size", "1024x1024", "--max-depth", "1", "--host-memory", "4"};
   const auto memory = [&](const std::string& name, const Arguments& size, const Arguments& more, int exit = 0) {
@@ -214,6 +237,7 @@ TEST_F(film_file_test, a_render_in_files_and_a_merge_hold_an_eighth_of_the_film_
   EXPECT_LT(memory("a", large, {"--samples", "0:1", "--png"}), least + film / 8);
   EXPECT_LT(memory("a", large, {"--samples", "0:2", "--resume"}), least + film / 8);
   EXPECT_LT(memory("b", large, {"--samples", "16:1", "--error", "0.001"}, 5), least + film / 8);
+  EXPECT_LT(most_memory({"info", path("b.checkpoint")}), least + film / 8);
   memory("y", small, {"--samples", "16:1"});
   const std::size_t least_merge = merge("x.checkpoint", "y.checkpoint", "1");
   EXPECT_LT(merge("a.checkpoint", "b.checkpoint", "4"), least_merge + film / 8);

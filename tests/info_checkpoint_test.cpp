@@ -1,5 +1,6 @@
 // `oclair info` of a checkpoint.
 #include <algorithm>
+#include <sstream>
 
 #include "../host/film.h"
 #include "checkpoint_cases.h"
@@ -52,6 +53,24 @@ TEST_F(info_checkpoint_test, prints_all_that_the_checkpoint_says_of_itself) {
        "rejected samples    " + std::to_string(rejected_samples(checkpoint.film)), "rays                123456789012",
        "layer               albedo.R", "layer               primitive.id", "header              software: oclair",
        "header              device: an?abacus", "kept                yes: stays when its render is done"});
+}
+
+TEST_F(info_checkpoint_test, a_film_that_is_read_in_pieces_has_the_figures_of_the_whole) {
+  Checkpoint checkpoint = random_checkpoint({{0, 64}}, 1);
+  checkpoint.film = random_film(211, 209, checkpoint.ranges, true, 2);
+  checkpoint.head.film = {211, 209, 0, 0, 211, 209};
+  checkpoint.layers.clear();
+  for (FilmPixel& pixel : checkpoint.film.pixels) pixel.rejected %= 64, pixel.hits = 64 - pixel.rejected;
+  ASSERT_GT(checkpoint.film.pixels.size(), FILM_PIECE);
+  ASSERT_TRUE(image_error(checkpoint.film));
+  write_checkpoint(file, checkpoint);
+  std::ostringstream error;
+  error << *image_error(checkpoint.film);
+  expect_lines(info(), {"film                211x209, exponent -3, with second moments",
+                        "rejected samples    " + std::to_string(rejected_samples(checkpoint.film)), "estimated error     " + error.str()});
+  ++checkpoint.film.pixels.back().hits;
+  write_checkpoint(file, checkpoint);
+  expect_refused("a pixel counts more samples than there are, expected at most 64");
 }
 
 TEST_F(info_checkpoint_test, a_checkpoint_is_one_by_what_it_holds_whatever_its_name) {

@@ -5,6 +5,7 @@
 #include "../host/checkpoint_lock.h"
 #include "checkpoint_cases.h"
 #include "exr_reader.h"
+#include "faults.h"
 #include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
@@ -107,6 +108,19 @@ TEST_F(merge_command_test, a_part_may_become_the_whole) {
   EXPECT_EQ(directory.names().size(), 2u);
 }
 
+// A checkpoint is one whatever its name, and an image does not hold its sums.
+TEST_F(merge_command_test, no_part_becomes_the_image) {
+  const std::string part = directory / "part.exr", link = directory / "link.exr";
+  fs::copy_file(b, part);
+  fs::create_symlink(part, link);
+  for (const std::string& output : {part, link}) {
+    const ProgramResult result = run_oclair({"merge", a, part, "-o", output});
+    EXPECT_EQ(result.exit, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, output + ": is another output or an input of this command as well")) << result.err;
+    EXPECT_TRUE(content(part) == content(b));
+  }
+}
+
 TEST_F(merge_command_test, the_same_samples_twice_are_refused_with_both_files_and_ranges) {
   write_checkpoint(b, random_checkpoint({{16, 48}}, 2));
   expect_refused(merge_them({"-o", image.string()}), {a, b, "0:32", "16:48", "overlap"});
@@ -133,6 +147,14 @@ TEST_F(merge_command_test, a_damaged_part_is_refused_and_what_was_there_is_kept)
   expect_refused(merge_them({"--checkpoint", a}), {b + ": was cut short"});
   EXPECT_TRUE(content(a) == old);
   expect_refused(run_oclair({"merge", a, directory / "none", "-o", image.string()}), {"none: cannot be read: No such file"});
+}
+
+TEST_F(merge_command_test, of_several_files_that_cannot_be_written_each_is_named_on_one_line) {
+  const FileSizeLimit full(100);
+  const ProgramResult result = merge_them({"-o", image.string(), "--checkpoint", joined_file.string()});
+  expect_refused(result, {image.string() + ": cannot be written: ", "; " + joined_file.string() + ": cannot be written: "});
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), ';'), 1) << result.err;
+  EXPECT_FALSE(fs::exists(joined_file));
 }
 
 TEST_F(merge_command_test, a_checkpoint_that_a_render_writes_is_left_to_it) {

@@ -166,8 +166,16 @@ TEST(metamorphic_image, scene_moved_far_away_is_the_same_film) {
   world = zoo();
   translate(world, {1e6 / 3, -1e6 / 7, 1e6});
   const Film moved = render_full(world, 8);
-  const Estimate a = estimate(film), b = estimate(moved);
-  record_extreme("X11", std::abs(a.mean - b.mean) / a.error, 3);
+  // The paths are the same but for roundings: their noise cancels in the differences of pixels.
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+    const double difference = pixel_mean(moved, i)[0] - pixel_mean(film, i)[0];
+    sum += difference;
+    squares += difference * difference;
+  }
+  const double count = static_cast<double>(film.pixels.size()), mean = sum / count;
+  const double error = std::sqrt((squares / count - mean * mean) / (count - 1.0));
+  record_extreme("X11", mean == 0.0 ? 0.0 : std::abs(mean) / error, sidak_z);
   EXPECT_LT(different_pixels(film, moved), film.pixels.size());
 }
 

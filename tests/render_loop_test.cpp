@@ -4,6 +4,7 @@
 #include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,13 +13,18 @@
 #include <sstream>
 #include <thread>
 
+#include "../host/commands/render_loop.h"
+#include "../host/error.h"
+#include "faults.h"
 #include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
-
+#include "worlds.h"
 
 namespace {
 
+using namespace oclair;
+using namespace oclair::test;
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
@@ -165,6 +171,18 @@ TEST_F(render_loop_test, a_resumed_render_is_the_uninterrupted_one_bit_for_bit) 
     }
 }
 
+TEST_F(render_loop_test, a_pipe_in_the_place_of_a_checkpoint_is_refused_and_not_waited_for) {
+  ASSERT_EQ(mkfifo(checkpoint("a").c_str(), 0600), 0);
+  for (const std::string how : {"--resume", "--restart"}) {
+    const ProgramResult result = run_oclair_for(60.0, render(image("a"), {"--spp", "1", how}));
+    EXPECT_EQ(result.exit, 1) << result.err;
+    EXPECT_NE(result.err.find("a.checkpoint: is not a checkpoint, expected one or no file"), std::string::npos) << result.err;
+  }
+  const ProgramResult info = run_oclair_for(60.0, {"info", checkpoint("a").string()});
+  EXPECT_EQ(info.exit, 1) << info.err;
+  EXPECT_NE(info.err.find("a.checkpoint: is not a regular file, expected a checkpoint"), std::string::npos) << info.err;
+}
+
 TEST_F(render_loop_test, no_file_is_overwritten_that_is_something_else) {
   expect_exit(0, render(image("a"), {"--samples", "0:16"}));
   expect_exit(0, render(image("b"), {"--samples", "16:16"}));
@@ -189,6 +207,18 @@ TEST_F(render_loop_test, no_file_is_overwritten_that_is_something_else) {
   EXPECT_TRUE(bytes_of(a) == before);
   EXPECT_TRUE(bytes_of(own_scene) == bytes_of(scene));
   expect_exit(0, {"merge", a, b, "-o", c, "--checkpoint", a});  // one of the parts
+}
+
+// Nothing is written within an hour, and nothing at all before the first pass has ended.
+TEST_F(render_loop_test, a_restart_that_ends_before_it_has_written_anything_keeps_the_checkpoint) {
+  expect_exit(0, render(image("a"), {"--spp", "2", "--checkpoint", checkpoint("a").string()}));
+  const std::string before = bytes_of(checkpoint("a"));
+  std::string err;
+  const Arguments endless = render(image("a"), {"--spp", "1000000000", "--progress", "json", "--every", "1h", "--restart", "--size", "1024x1024"});
+  EXPECT_EQ(exit_after_signals(endless, {{"\"phase\":\"passes\"", SIGKILL}}, err), 128 + SIGKILL);
+  EXPECT_TRUE(bytes_of(checkpoint("a")) == before);
+  expect_exit(0, render(image("a"), {"--spp", "1", "--restart"}));  // nobody has asked for it now
+  EXPECT_FALSE(fs::exists(checkpoint("a")));
 }
 
 // The image cannot be written at the end: what has been rendered is in the checkpoint.
@@ -293,4 +323,36 @@ TEST_F(render_loop_test, the_memory_is_told_before_it_is_taken) {
   ASSERT_NE(event, events.end());
   EXPECT_EQ((*event)["film"], 16 * 16 * 184);
   EXPECT_EQ((*event)["plan"], "film: 46.0 KiB in memory, all of it on the device");
+}
+
+// The disk is full when the error is judged for the first time: room for its pixels was not taken before.
+TEST_F(render_loop_test, what_fails_between_two_passes_loses_no_sample) {
+  World world;
+  add_shape(world, diffuse(0.5), Sides::both, 1.0).geometry = Geometry::sphere;
+  look(world, {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, 64, 64);
+  const Scene placed = place_scene(world);
+  const Bvh bvh = build_bvh(placed, device().bvh_width);
+  Renderer renderer = start_render(device(), placed, bvh);
+  ErrorMonitor monitor(0.1, 0.95, ErrorMonitor::usual_block, std::make_shared<const fs::path>(directory / ""));
+  std::ostringstream messages;
+  Progress progress(messages, false);
+  Checkpoint state;
+  std::vector<SampleRange> written;
+  OnTheWay way;
+  way.checkpoint_every = 3600.0;
+  way.write_checkpoint = [&](const Checkpoint& now) {
+    EXPECT_EQ(now.film.samples, count_samples(now.ranges));
+    EXPECT_EQ(now.film.pixels.size(), 64u * 64u);
+    written.insert(written.end(), now.ranges.begin(), now.ranges.end());
+  };
+  const FileSizeLimit full(64 * 64 * sizeof(ErrorMonitor::Pixel) - 1);
+  try {
+    render_until({1000, false, {}, &monitor}, renderer, state, way, progress, steady_seconds());
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit, Exit::render_failed);
+  }
+  ASSERT_EQ(written.size(), 1u);
+  EXPECT_EQ(written[0].count, renderer.samples);
+  EXPECT_GT(renderer.samples, 0u);
 }

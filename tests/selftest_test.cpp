@@ -190,6 +190,27 @@ TEST(selftest_test, boxes_without_padding_fail_as_boxes_and_let_rays_pass) {
                   {"boxes", "triangles"});
 }
 
+// NaN is not below any bound, but it is not above one either, and the numbers that follow are.
+TEST(selftest_test, results_that_are_not_numbers_fail_their_group_all_of_them_or_one) {
+  const auto expect_nan = [](const Change& change, const std::string& group, const std::string& figure) {
+    const selftest::Report report = with_changes({change}, group);
+    expect_failures(report, {group});
+    EXPECT_FALSE(group_of(report, group).figure(figure).passed()) << lines(report);
+  };
+  const std::string kahan = "difference_of_products(v.x, v.y, v.z, v.w));", root = "sqrt(v.x), rsqrt(v.x)";
+  expect_nan({"selftest.cl", kahan, "NAN);"}, "contraction", "ulp of a b - c d by Kahan");
+  expect_nan({"selftest.cl", kahan, "i == 1000 ? NAN : " + kahan}, "contraction", "ulp of a b - c d by Kahan");
+  expect_nan({"selftest.cl", root, "i == 1000 ? NAN : " + root}, "accuracy", "sqrt");
+}
+
+// Directions that are made of it are none: every group has its verdict all the same.
+TEST(selftest_test, a_function_that_gives_nan_everywhere_fails_and_every_group_has_its_verdict) {
+  const selftest::Report report = with_changes({{"vector.h", "return difference + error;", "return NAN;"}});
+  EXPECT_EQ(report.groups.size(), selftest::run_selftest(open_device()).groups.size());
+  const Names names = failed(report);
+  EXPECT_TRUE(names.count("contraction") && names.count("surfaces")) << lines(report);
+}
+
 // One fault more for each group that the others leave out.
 TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
   struct Fault {
@@ -214,6 +235,21 @@ TEST(selftest_test, every_group_finds_a_fault_of_its_own) {
        {"path.h", "float weight = path->pdf > 0.0f ? mis_scattering_weight(path->pdf, light_pdf) : 1.0f;", "float weight = 1.0f;"}},
   };
   for (const Fault& fault : faults) expect_failures(with_changes({fault.change}, fault.group), {fault.group});
+}
+
+// Products that are not denormal, of factors that are not, have no reason to be 0.
+TEST(selftest_test, a_normal_product_that_becomes_0_is_wrong_and_not_flushed) {
+  const std::string product = "xy[i].x * xy[i].y";
+  const selftest::Report report =
+      with_changes({{"selftest.cl", "result[i] = " + product, "result[i] = fabs(" + product + ") < 0x1p-125f ? 0.0f : " + product}}, "denormals");
+  expect_failures(report, {"denormals"});
+  EXPECT_FALSE(group_of(report, "denormals").figure("wrong").passed()) << lines(report);
+}
+
+TEST(selftest_test, a_zero_without_its_sign_and_a_difference_that_is_off_by_an_ulp_fail_as_exceptions) {
+  const std::string results = "(float8)(x + y, x - y, x * y,";
+  for (const std::string& wrong : {"(float8)(x + y, x - y, x * y + 0.0f,", "(float8)(x + y, (x - y) * (1.0f + FLT_EPSILON), x * y,"})
+    expect_failures(with_changes({{"selftest.cl", results, wrong}}, "exceptions"), {"exceptions"});
 }
 
 TEST(selftest_test, a_program_that_does_not_compile_is_an_error_of_the_device) {

@@ -1,7 +1,6 @@
 #include <iostream>
 
 #include "../checkpoint.h"
-#include "../film.h"
 #include "commands.h"
 #include "report.h"
 
@@ -9,7 +8,8 @@ namespace oclair {
 
 // All of it is read, so that a damaged one is refused.
 Exit info_checkpoint(const std::filesystem::path& path) {
-  const Checkpoint checkpoint = read_checkpoint(path);
+  const CheckpointSummary summary = summarize_checkpoint(path);
+  const Checkpoint& checkpoint = summary.head;
   const Film& film = checkpoint.film;
   const WorldFilm& window = checkpoint.head.film;
   row("checkpoint") << path.string() << "\n";
@@ -17,12 +17,12 @@ Exit info_checkpoint(const std::filesystem::path& path) {
   row("film") << film.width << "x" << film.height;
   if (film.width != window.width || film.height != window.height)
     std::cout << " at " << window.crop_x << "," << window.crop_y << " of " << window.width << "x" << window.height;
-  std::cout << ", exponent " << film.exponent << (film.moments.empty() ? "" : ", with second moments") << "\n";
+  std::cout << ", exponent " << film.exponent << (summary.moments ? ", with second moments" : "") << "\n";
   for (const SampleRange& range : checkpoint.ranges) row("samples") << to_string(range) << "\n";
   row("samples per pixel") << film.samples << ", " << film.replicas << " complete replicas\n";
-  row("rejected samples") << rejected_samples(film) << "\n";
+  row("rejected samples") << summary.rejected << "\n";
   row("rays") << film.rays << "\n";
-  if (const auto error = image_error(film)) row("estimated error") << *error << "\n";
+  if (summary.error) row("estimated error") << *summary.error << "\n";
   for (const Layer& layer : checkpoint.layers) row("layer") << one_line(layer.name) << "\n";
   for (const auto& [name, value] : checkpoint.head.attributes)
     row("header") << one_line(name) << ": " << one_line(value) << "\n";

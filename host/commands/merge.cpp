@@ -77,6 +77,7 @@ void refuse_to_replace(const fs::path& checkpoint, const std::vector<std::string
 Exit merge_files(const MergeOptions& options) {
   reproducible_date();  // wrong ones are refused now
   require_distinct(options.images, options.checkpoint, {});
+  require_distinct(options.images, {}, {options.parts.begin(), options.parts.end()});
   if (options.checkpoint) refuse_to_replace(*options.checkpoint, options.parts);
   require_writable(options.images);
   std::unique_ptr<CheckpointLock> lock;

@@ -38,11 +38,13 @@ void require_distinct(const ImageFiles& files, const std::optional<std::filesyst
 
 void attempt_all(const std::vector<std::function<void()>>& attempts) {
   std::exception_ptr failure;
+  std::string messages;
   for (const auto& attempt : attempts) {
     try {
       attempt();
-    } catch (const std::exception&) {
-      if (!failure) failure = std::current_exception();
+    } catch (const std::exception& error) {
+      messages += (failure ? "; " : "") + std::string(error.what());
+      failure = failure ? std::make_exception_ptr(Error(Exit::render_failed, messages)) : std::current_exception();
     }
   }
   if (failure) std::rethrow_exception(failure);

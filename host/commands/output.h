@@ -28,7 +28,7 @@ void require_distinct(const ImageFiles& files, const std::optional<std::filesyst
 // Throws if one of them could not be written now.
 void require_writable(const ImageFiles& files);
 
-// Each is tried whatever becomes of the others; then the first failure is thrown.
+// Each is tried whatever becomes of the others; then the failure is thrown, or Error(Exit::render_failed) with the messages of several.
 void attempt_all(const std::vector<std::function<void()>>& attempts);
 
 // Each is replaced as a whole. Throws Error(Exit::render_failed).

@@ -9,7 +9,6 @@
 #include "../scene_hash.h"
 #include "../settings_file.h"
 #include "../signals.h"
-#include "../stopping.h"
 #include "commands.h"
 #include "output.h"
 #include "render_loop.h"
@@ -233,6 +232,10 @@ Exit render(const RenderOptions& options) {
   phases.end();
   const FilmPlan film_plan = plan_film(device, scene, plan_buffers(scene, bvh), film_limits(options));
   progress.memory("film: " + film_text(film_plan), film_plan.whole);
+  std::optional<ErrorMonitor> monitor;
+  if (options.error)
+    monitor.emplace(*options.error, options.confidence, ErrorMonitor::usual_block, film_plan.directory,
+                    std::size_t{state.film.width} * state.film.height);
   phases.begin("kernels");
   Renderer renderer = start_render(device, scene, bvh, film_plan);
   renderer.first_sample = wanted.first;
@@ -245,7 +248,6 @@ Exit render(const RenderOptions& options) {
     take_film(renderer, state.film);  // its arrays, for those of the file
     restore_film(renderer, read_checkpoint(options.checkpoint, std::move(state.film)).film);
   }
-  if (options.restart) remove_checkpoint(options.checkpoint);
 
   phases.begin("passes", renderer.samples * scene.settings.crop_width * scene.settings.crop_height);
   std::optional<TevClient> viewer;
@@ -265,7 +267,7 @@ Exit render(const RenderOptions& options) {
   };
   way.checkpoint_every = options.checkpoint_every;
   way.viewer = viewer ? &*viewer : nullptr;
-  const Limits limits{wanted.count, !has_sample_limit(options), options.seconds, options.error, options.confidence};
+  const Limits limits{wanted.count, !has_sample_limit(options), options.seconds, monitor ? &*monitor : nullptr};
   const Stop stop = render_until(limits, renderer, state, way, progress, started);
   if (renderer.samples == 0) heed_signals();
 

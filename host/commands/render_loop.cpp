@@ -5,7 +5,6 @@
 #include "../layers.h"
 #include "../schedule.h"
 #include "../signals.h"
-#include "../stopping.h"
 
 namespace oclair {
 namespace {
@@ -23,21 +22,30 @@ class Loop {
         schedule_({limits.samples, limits.seconds,
                    way.write_checkpoint ? std::optional(way.checkpoint_every) : std::nullopt},
                   steady_seconds, program_started) {
-    if (limits.error) {
-      monitor_.emplace(*limits.error, limits.confidence, ErrorMonitor::usual_block, renderer.plan.directory);
-      if (renderer.samples > 0) monitor_->add(film());
-    }
     warn_of_viewer();
   }
 
   Stop run() {
+    try {
+      return run_until_told();
+    } catch (const Error& error) {
+      if (error.exit != Exit::device) save();
+      throw;
+    } catch (const std::exception&) {
+      save();
+      throw;
+    }
+  }
+
+ private:
+  Stop run_until_told() {
+    if (monitor_ && renderer_.samples > 0) monitor_->add(film());
     const Stop stop = run_until_stopped();
     show();
     if (monitor_ && stop != Stop::error) progress_.warning("the error is not certified to be below its limit: " + monitor_->why_not());
     return stop;
   }
 
- private:
   Stop run_until_stopped() {
     for (;;) {
       if (renderer_.samples >= limits_.samples) return Stop::samples;
@@ -65,11 +73,13 @@ class Loop {
     const auto in_film = [&](double per_pixel) { return static_cast<std::uint64_t>(per_pixel * pixels); };
     return_film(renderer_, state_.film);
     film_is_current_ = false;
+    film_is_whole_ = false;
     render_pass(renderer_, samples, [&](double share) {
       const double done = static_cast<double>(renderer_.samples) + share * samples;
       progress_.samples(in_film(done), limits_.open ? std::nullopt : std::optional(in_film(static_cast<double>(limits_.samples))),
                         {rays_so_far(), monitor_ ? monitor_->estimate() : std::nullopt, seconds_left(done)});
     });
+    film_is_whole_ = true;
     schedule_.pass_ended(samples);
   }
 
@@ -125,6 +135,11 @@ class Loop {
     viewed_ = steady_seconds();
   }
 
+  // What has been rendered is not lost. A pass that was not ended has left some pixels with more samples than others.
+  void save() {
+    if (film_is_whole_ && renderer_.samples > 0 && way_.write_checkpoint) attempt(way_.write_checkpoint);
+  }
+
   void attempt(const std::function<void(const Checkpoint&)>& write) {
     film();
     try {
@@ -140,10 +155,11 @@ class Loop {
   const OnTheWay& way_;
   Progress& progress_;
   Schedule schedule_;
-  std::optional<ErrorMonitor> monitor_;
+  ErrorMonitor* const monitor_ = limits_.error;
   const std::uint64_t rays_before_ = ray_count(renderer_);
   const double samples_before_ = static_cast<double>(renderer_.samples), begun_ = steady_seconds();
-  bool film_is_current_ = false;
+  bool film_is_current_ = false;  // state_ has it
+  bool film_is_whole_ = true;     // all its pixels have the same samples
   bool warned_of_unknown_pixels_ = false;
   double viewed_ = -std::numeric_limits<double>::infinity();
 };

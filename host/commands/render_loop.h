@@ -8,6 +8,7 @@
 #include "../checkpoint.h"
 #include "../progress.h"
 #include "../render.h"
+#include "../stopping.h"
 #include "../tev.h"
 
 namespace oclair {
@@ -22,8 +23,7 @@ struct Limits {
   std::uint64_t samples = 0;            // per pixel, those of an earlier run included
   bool open = false;                    // they are only what can be counted: another limit is to end the render
   std::optional<double> seconds;        // since the program started
-  std::optional<double> error;          // of the image, see stopping.h
-  double confidence = 0.95;
+  ErrorMonitor* error = nullptr;        // of the image: until it certifies the film
 };
 
 // What is done with the film on the way; each may be absent.
@@ -37,6 +37,7 @@ struct OnTheWay {
 void take_film(Renderer& renderer, Checkpoint& state);
 
 // Renders on from where the renderer stands. A file that cannot be written on the way is warned of, and tried again the next time.
+// Before an exception between two passes goes on, unless the device is at fault, the checkpoint is written.
 // The whole film is read back only where something is made of it; `state` is then as of that pass. It may hold it at the end.
 Stop render_until(const Limits& limits, Renderer& renderer, Checkpoint& state, const OnTheWay& way, Progress& progress,
                   double program_started);

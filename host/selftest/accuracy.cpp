@@ -7,8 +7,7 @@ namespace {
 struct Worst {
   double ulps = 0.0;
   void take(float result, long double exact) {
-    const double error = static_cast<double>(std::abs(result - exact)) / ulp(static_cast<double>(exact));
-    if (!(error <= ulps)) ulps = error;  // a NaN stays
+    keep_worst(ulps, static_cast<double>(std::abs(result - exact)) / ulp(static_cast<double>(exact)));
   }
 };
 

@@ -34,7 +34,7 @@ void check_contraction(const Session& session, Group& group) {
     not_fused += result[i].s[2] != std::fma(x, y, z);
     const long double exact = static_cast<long double>(static_cast<double>(x) * y) - static_cast<double>(z) * w;
     const long double error = std::abs(result[i].s[3] - exact);
-    if (error > 0.0L) worst = std::max(worst, static_cast<double>(error) / ulp(static_cast<double>(exact)));
+    keep_worst(worst, static_cast<double>(error) / ulp(static_cast<double>(exact)));
   }
   group.measure("expressions", static_cast<double>(xyzw.size()));
   group.bound("fused", static_cast<double>(fused), 0);

@@ -47,24 +47,21 @@ void check_fresnel(const Session& session, Group& group) {
   const std::size_t count = list.cosine.size();
   std::vector<cl_float4> result(count), refracted(count);
   run(session, "fresnel", count, list.cosine, list.eta, list.front, out(result), out(refracted));
-  const auto larger = [](double& worst, double error) {
-    if (!(error <= worst)) worst = error;  // a NaN stays
-  };
   double reflectance = 0, transmittance = 0, lost = 0, length = 0, snell = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Exact cosine = list.cosine[i], eta = list.true_eta(i);
-    larger(reflectance, distance(exact_reflectance, cosine, eta, result[i].s[0]));
+    keep_worst(reflectance, distance(exact_reflectance, cosine, eta, result[i].s[0]));
     const Exact through = exact_transmittance(cosine, eta);
     if (through > 0)
-      larger(transmittance, distance(exact_transmittance, cosine, eta, result[i].s[1]) / static_cast<double>(through));
+      keep_worst(transmittance, distance(exact_transmittance, cosine, eta, result[i].s[1]) / static_cast<double>(through));
     else
-      larger(transmittance, result[i].s[1]);
-    larger(lost, std::abs(static_cast<double>(result[i].s[0]) + result[i].s[1] - 1.0));
+      keep_worst(transmittance, result[i].s[1]);
+    keep_worst(lost, std::abs(static_cast<double>(result[i].s[0]) + result[i].s[1] - 1.0));
     if (!(result[i].s[1] > 0.0f) || eta > 3)
       continue;  // Snell's law to u eta: the lengths of absurd indices are not asked for
     const auto& d = refracted[i].s;
-    larger(length, std::abs(std::hypot(d[0], d[1], d[2]) - 1.0));
-    larger(snell, std::abs(-static_cast<double>(eta) * d[0] - d[3]) / std::max(1.0, static_cast<double>(eta)));
+    keep_worst(length, std::abs(std::hypot(d[0], d[1], d[2]) - 1.0));
+    keep_worst(snell, std::abs(-static_cast<double>(eta) * d[0] - d[3]) / std::max(1.0, static_cast<double>(eta)));
   }
   group.measure("angles", static_cast<double>(count));
   group.bound("error of R", reflectance, 1e-6 * slack(session));

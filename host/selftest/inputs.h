@@ -1,4 +1,4 @@
-// The scale of float rounding.
+// The scale of float rounding, and the worst of many errors.
 #pragma once
 
 #include <algorithm>
@@ -14,6 +14,11 @@ namespace oclair::test {
 inline double ulp(double x) {
   const double magnitude = std::max(std::abs(x), 0x1p-126);
   return std::ldexp(1.0, std::ilogb(magnitude) - 23);
+}
+
+// The worst figure so far. NaN is worse than any number, and stays: a comparison alone would lose it to the next one.
+inline void keep_worst(double& worst, double figure) {
+  if (!std::isnan(worst) && !(figure <= worst)) worst = figure;
 }
 
 inline std::array<double, 3> normalized(std::array<double, 3> v) {

@@ -43,14 +43,11 @@ void check_mis(const Session& session, Group& group) {
     const auto [a, b] = pairs[i].s;
     const long double exact = power_heuristic(a, b);
     const double error = static_cast<double>(std::abs(weight[i] - exact));
-    if (!(error <= FLT_MIN)) {
-      const double units = error / (unit_roundoff * static_cast<double>(exact));
-      if (!(units <= worst)) worst = units;
-    }
+    if (!(error <= FLT_MIN)) keep_worst(worst, error / (unit_roundoff * static_cast<double>(exact)));
     outside += !(weight[i] >= 0.0f && weight[i] <= 1.0f);
     if (a == 0.0f && b == 0.0f) continue;
     const double total = static_cast<double>(weight[i]) + weight[i % list.size() * list.size() + i / list.size()];
-    if (!(std::abs(total - 1.0) <= sum)) sum = std::abs(total - 1.0);
+    keep_worst(sum, std::abs(total - 1.0));
   }
   group.measure("pairs", static_cast<double>(pairs.size()));
   group.bound("error in u of a weight", worst, 8 * slack(session));

@@ -52,10 +52,7 @@ void leave_triangles(const Session& session, Group& group) {
       run(session, "leave", hits.size(), bvh.blocks, scene.shapes, scene.triangle_shape, hits, w, out(offset), out(again));
       rays += hits.size();
       again_total += static_cast<std::size_t>(std::count(again.begin(), again.end(), 1u));
-      for (const packed_float3& o : offset) {
-        const double length = glm::length(unpacked(o));
-        if (!(length <= largest)) largest = length;
-      }
+      for (const packed_float3& o : offset) keep_worst(largest, glm::length(unpacked(o)));
     }
   group.measure("rays", static_cast<double>(rays));
   group.bound("that hit their own triangle", static_cast<double>(again_total), 0);

@@ -61,8 +61,7 @@ double texel_error(const Session& session, TexelFormat format, std::size_t value
     for (std::size_t i = 0; i < result.size(); ++i) {
       const double exact = value(static_cast<uint>(2 * i + from));
       if (std::isnan(exact)) continue;
-      const double error = std::abs(result[i] - exact) / ulp(exact);
-      if (!(error <= worst)) worst = error;
+      keep_worst(worst, std::abs(result[i] - exact) / ulp(exact));
     }
   }
   return worst;

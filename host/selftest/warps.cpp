@@ -31,18 +31,15 @@ void check_warps(const Session& session, Group& group) {
   std::vector<cl_float2> circle(u.size()), triangle(u.size());
   std::vector<cl_float4> hemisphere(u.size()), sphere(u.size());
   run(session, "warps", u.size(), u, out(circle), out(hemisphere), out(sphere), out(triangle));
-  const auto larger = [](double& worst, double error) {
-    if (!(error <= worst)) worst = error;  // a NaN stays
-  };
   double circle_error = 0, length_error = 0, cosine_error = 0;
   std::size_t in_surface = 0, outside = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {
     const long double angle = 6.28318530717958647692528676655900577L * u[i].s[1], cosine = std::sqrt(1.0L - u[i].s[0]);
-    larger(circle_error, static_cast<double>(std::abs(circle[i].s[0] - std::cos(angle))));
-    larger(circle_error, static_cast<double>(std::abs(circle[i].s[1] - std::sin(angle))));
-    larger(length_error, std::abs(length(hemisphere[i]) - 1.0));
-    larger(length_error, std::abs(length(sphere[i]) - 1.0));
-    larger(cosine_error, static_cast<double>(std::abs(hemisphere[i].s[2] - cosine)) / ulp(static_cast<double>(cosine)));
+    keep_worst(circle_error, static_cast<double>(std::abs(circle[i].s[0] - std::cos(angle))));
+    keep_worst(circle_error, static_cast<double>(std::abs(circle[i].s[1] - std::sin(angle))));
+    keep_worst(length_error, std::abs(length(hemisphere[i]) - 1.0));
+    keep_worst(length_error, std::abs(length(sphere[i]) - 1.0));
+    keep_worst(cosine_error, static_cast<double>(std::abs(hemisphere[i].s[2] - cosine)) / ulp(static_cast<double>(cosine)));
     in_surface += !(hemisphere[i].s[2] > 0.0f);
     const double b1 = triangle[i].s[0], b2 = triangle[i].s[1];
     outside += !(b1 >= 0.0 && b2 >= 0.0 && b1 + b2 <= 1.0 + unit_roundoff);

@@ -248,7 +248,7 @@ TEST(selftest_test, a_normal_product_that_becomes_0_is_wrong_and_not_flushed) {
 
 TEST(selftest_test, a_zero_without_its_sign_and_a_difference_that_is_off_by_an_ulp_fail_as_exceptions) {
   const std::string results = "(float8)(x + y, x - y, x * y,";
-  for (const std::string& wrong : {"(float8)(x + y, x - y, x * y + 0.0f,", "(float8)(x + y, (x - y) * (1.0f + FLT_EPSILON), x * y,"})
+  for (const std::string wrong : {"(float8)(x + y, x - y, x * y + 0.0f,", "(float8)(x + y, (x - y) * (1.0f + FLT_EPSILON), x * y,"})
     expect_failures(with_changes({{"selftest.cl", results, wrong}}, "exceptions"), {"exceptions"});
 }
 

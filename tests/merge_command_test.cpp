@@ -150,7 +150,7 @@ TEST_F(merge_command_test, a_damaged_part_is_refused_and_what_was_there_is_kept)
 }
 
 TEST_F(merge_command_test, of_several_files_that_cannot_be_written_each_is_named_on_one_line) {
-  const FileSizeLimit full(100);
+  const FileSizeLimit full(1000);  // what the program says lies in a file too
   const ProgramResult result = merge_them({"-o", image.string(), "--checkpoint", joined_file.string()});
   expect_refused(result, {image.string() + ": cannot be written: ", "; " + joined_file.string() + ": cannot be written: "});
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), ';'), 1) << result.err;

@@ -98,7 +98,7 @@ TEST(tune_command_test, table_json_report_and_settings_are_written_and_render_ta
 
   ASSERT_TRUE(found.at("recommended").is_string());
   const oclair::SettingsFile recommended = oclair::read_settings(settings);
-  EXPECT_EQ(oclair::text_of(recommended.choices), found.at("recommended"));
+  EXPECT_EQ(oclair::text_of(recommended.choices), found.at("recommended").get<std::string>());
   EXPECT_NE(result.out.find("recommended: " + oclair::text_of(recommended.choices)), std::string::npos);
   EXPECT_FALSE(recommended.measured.empty());
   const ProgramResult render = run_oclair(

@@ -11,7 +11,6 @@
 #include "../host/image.h"
 #include "encoders.h"
 #include "exr_reader.h"
-#include "faults.h"
 #include "files.h"
 #include "png_reader.h"
 #include "program.h"

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <vector>
@@ -70,16 +71,34 @@ void check_header(std::string_view bytes) {
   check_exr_size(header, bytes.size());
 }
 
-// Whether so many bytes of a file can become so many of texels. Deflate shrinks by 1032 at most; before it PXR24 leaves out
-// one byte of four, and texels may be twice as wide as what is stored. The methods that are not listed say in a few bytes that
-// a whole chunk is of one value.
-bool can_hold(Imf::Compression compression, std::size_t file, std::size_t texels) {
+// Compression that says in a few bytes that a whole chunk is of one value has no bound on what it shrinks.
+bool has_bound(Imf::Compression compression) {
+  return compression == Imf::NO_COMPRESSION || compression == Imf::RLE_COMPRESSION || compression == Imf::ZIPS_COMPRESSION ||
+         compression == Imf::ZIP_COMPRESSION || compression == Imf::PXR24_COMPRESSION || compression == Imf::B44_COMPRESSION ||
+         compression == Imf::B44A_COMPRESSION;
+}
+
+// Whether so many bytes of a file, by a method with a bound, can become so many of texels. Deflate shrinks by 1032 at most;
+// before it PXR24 leaves out one byte of four, and texels may be twice as wide as what is stored.
+bool can_hold(std::size_t file, std::size_t texels) {
   constexpr std::size_t GREATEST_RATIO = 1032 * 4 / 3 * 2;
-  const bool bounded = compression == Imf::NO_COMPRESSION || compression == Imf::RLE_COMPRESSION ||
-                       compression == Imf::ZIPS_COMPRESSION || compression == Imf::ZIP_COMPRESSION ||
-                       compression == Imf::PXR24_COMPRESSION || compression == Imf::B44_COMPRESSION ||
-                       compression == Imf::B44A_COMPRESSION;
-  return !bounded || texels / GREATEST_RATIO <= file;
+  return texels / GREATEST_RATIO <= file;
+}
+
+// The window's pixels, the first at `texels`, rows as far apart as is said.
+void read_rows(Imf::InputFile& file, const std::vector<std::string>& names, TexelFormat format, std::byte* texels,
+               std::size_t row_stride) {
+  const auto& window = file.header().dataWindow();
+  const std::size_t size = format == TEXEL_HALF ? 2 : 4, stride = size * names.size();
+  // Where the pixel (0, 0) would be, which the window need not have.
+  const auto origin = reinterpret_cast<std::intptr_t>(texels) - static_cast<std::intptr_t>(stride) * window.min.x -
+                      static_cast<std::intptr_t>(row_stride) * window.min.y;
+  Imf::FrameBuffer frame;
+  for (std::size_t c = 0; c < names.size(); ++c)
+    frame.insert(names[c], Imf::Slice(format == TEXEL_HALF ? Imf::HALF : Imf::FLOAT,
+                                      reinterpret_cast<char*>(origin + static_cast<std::intptr_t>(c * size)), stride, row_stride));
+  file.setFrameBuffer(frame);
+  file.readPixels(window.min.y, window.max.y);
 }
 
 void read_pixels(Imf::InputFile& file, std::size_t file_size, Image& image) {
@@ -90,18 +109,19 @@ void read_pixels(Imf::InputFile& file, std::size_t file_size, Image& image) {
   image.format = TEXEL_HALF;
   for (const auto& name : names)
     if (header.channels()[name].type != Imf::HALF) image.format = TEXEL_FLOAT;
-  const std::size_t size = image.format == TEXEL_HALF ? 2 : 4, stride = size * image.channels;
+  const std::size_t stride = (image.format == TEXEL_HALF ? 2 : 4) * names.size();
   const auto width = static_cast<ulong>(std::int64_t{window.max.x} - window.min.x + 1),
              height = static_cast<ulong>(std::int64_t{window.max.y} - window.min.y + 1);
   check_size(width, height);
-  if (!can_hold(header.compression(), file_size, width * height * stride)) throw TextureFileError("OpenEXR: it breaks off");
+  if (has_bound(header.compression())) {
+    if (!can_hold(file_size, width * height * stride)) throw TextureFileError("OpenEXR: it breaks off");
+  } else {
+    // Every row into the same one: a file that does not hold what it claims is refused before there is memory for it.
+    std::vector<std::byte> row(width * stride);
+    read_rows(file, names, image.format, row.data(), 0);
+  }
   allocate_texels(image, width, height);
-  Imf::FrameBuffer frame;
-  for (std::size_t c = 0; c < names.size(); ++c)
-    frame.insert(names[c], Imf::Slice::Make(image.format == TEXEL_HALF ? Imf::HALF : Imf::FLOAT, image.texels.data() + c * size,
-                                            window, stride, stride * image.width));
-  file.setFrameBuffer(frame);
-  file.readPixels(window.min.y, window.max.y);
+  read_rows(file, names, image.format, image.texels.data(), stride * width);
 }
 
 bool is_finite(const Image& image) {

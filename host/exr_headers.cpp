@@ -1,6 +1,7 @@
 #include "exr_headers.h"
 
 #include <ImfChannelList.h>
+#include <ImfCompression.h>
 #include <ImfTileDescription.h>
 #include <ImfVersion.h>
 #include <ImfXdr.h>
@@ -13,7 +14,7 @@
 namespace oclair {
 namespace {
 
-constexpr std::uint64_t MAX_TILES = std::uint64_t{1} << 28;  // bytes of a row of tiles
+constexpr std::uint64_t MAX_CHUNK = std::uint64_t{1} << 28;  // bytes of a row of tiles, or of rows compressed together
 
 // Bytes of the values of OpenEXR's types, of those that have always as many.
 const std::map<std::string, int> FIXED_SIZES = {
@@ -108,6 +109,19 @@ void require_at_most(const char* what, std::uint64_t bytes, std::uint64_t most) 
                              std::to_string(most));
 }
 
+// At most as many rows are compressed together.
+std::uint64_t rows_of_chunk(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION: return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION: return 16;
+    case Imf::DWAB_COMPRESSION: return 256;
+    default: return 32;
+  }
+}
+
 std::uint64_t extent(int min, int max) { return static_cast<std::uint64_t>(std::int64_t{max} - min + 1); }
 
 }  // namespace
@@ -134,12 +148,15 @@ void check_exr_size(const Imf::Header& header, std::uint64_t size) {
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++channels;
   const std::uint64_t pixel = 4 * std::max<std::uint64_t>(channels, 1);
   require_at_most("a row of pixels", width > MAX_EXR_ROW ? width : width * pixel, MAX_EXR_ROW);
-  if (!header.hasTileDescription()) return;
+  if (!header.hasTileDescription()) {
+    require_at_most("a chunk of rows", std::min(rows_of_chunk(header.compression()), height) * width * pixel, MAX_CHUNK);
+    return;
+  }
   const Imf::TileDescription tiles = header.tileDescription();
   const std::uint64_t columns = std::max<std::uint64_t>(width, tiles.xSize);
   require_at_most("a row of tiles",
-                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_TILES ? std::uint64_t{1} << 32 : columns * tiles.ySize,
-                  MAX_TILES / pixel);
+                  std::max<std::uint64_t>(columns, tiles.ySize) > MAX_CHUNK ? std::uint64_t{1} << 32 : columns * tiles.ySize,
+                  MAX_CHUNK / pixel);
   if (tiles.xSize == 0 || tiles.ySize == 0) throw std::runtime_error("its tiles have no pixels");
   const std::uint64_t count = ((width - 1) / tiles.xSize + 1) * ((height - 1) / tiles.ySize + 1);
   if (count > size / 8) throw std::runtime_error("it breaks off");

@@ -15,9 +15,9 @@ inline constexpr std::uint64_t MAX_EXR_ROW = std::uint64_t{1} << 24;  // bytes o
 // std::runtime_error.
 void check_exr_headers(Imf::IStream& stream, std::uint64_t size);
 
-// Before anything is allocated for the pixels of a part: its rows of pixels and of tiles are no larger than OpenEXR may take
-// memory for, and the file, of `size` bytes, can hold where its tiles begin. Its data window is not empty. Throws
-// std::runtime_error.
+// Before anything is allocated for the pixels of a part: its rows of pixels, chunks of rows and rows of tiles are no larger than
+// OpenEXR may take memory for, and the file, of `size` bytes, can hold where its tiles begin. Its data window is not empty.
+// Throws std::runtime_error.
 void check_exr_size(const Imf::Header& header, std::uint64_t size);
 
 }  // namespace oclair

@@ -182,6 +182,23 @@ TEST(texture_file_test, exr_stays_half_or_float) {
   EXPECT_EQ(texels<float>(y), r);
 }
 
+// 40 rows: two chunks of the methods that compress 32 together. B44 and DWA lose something of halves: 2^-5 of them is far more.
+TEST(texture_file_test, exr_of_every_compression_is_read) {
+  std::vector<float> values(7 * 40);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0f + 0.25f * static_cast<float>(i % 7) + static_cast<float>(i / 70);
+  for (int method = 0; method < Imf::NUM_COMPRESSION_METHODS; ++method)
+    for (const auto type : {Imf::HALF, Imf::FLOAT}) {
+      const Image image = parse_image(
+          exr_bytes(7, 40, {{"R", type, values}, {"G", type, values}, {"B", type, values}}, static_cast<Imf::Compression>(method)));
+      ASSERT_EQ(image.texels.size(), (type == Imf::HALF ? 2 : 4) * 3 * values.size());
+      const bool lossy = method >= Imf::B44_COMPRESSION && (type == Imf::HALF || method >= Imf::DWAA_COMPRESSION);
+      for (std::size_t i = 0; i < 3 * values.size(); ++i) {
+        const float texel = type == Imf::HALF ? static_cast<float>(texels<Imath::half>(image)[i]) : texels<float>(image)[i];
+        ASSERT_NEAR(texel, values[i / 3], lossy ? values[i / 3] / 32 : 0) << method << " " << type << " " << i;
+      }
+    }
+}
+
 TEST(texture_file_test, other_formats_and_layouts_are_refused) {
   EXPECT_EQ(refusal(""), "it is not an image of a known format (known: PNG, JPEG, OpenEXR)");
   EXPECT_EQ(refusal("GIF89a"), "it is not an image of a known format (known: PNG, JPEG, OpenEXR)");
@@ -248,10 +265,19 @@ TEST(texture_file_test, images_that_are_too_large_are_refused) {
   EXPECT_EQ(refusal(png_that_says(65536, 65536)),
             "it has 65536x65536 pixels, at most 65536 along each side and 2^28 in all are expected");
   EXPECT_EQ(refusal(png_that_says(16384, 16384)), "PNG: it breaks off");
-  std::string exr = EXR;
-  const std::size_t window = exr.find("dataWindow") + std::strlen("dataWindow") + 1 + std::strlen("box2i") + 1 + 4;
-  exr.replace(window + 8, 4, std::string("\xff\xff\xff\x0f", 4));
-  EXPECT_EQ(refusal(exr), "it has 268435459x2 pixels, at most 65536 along each side and 2^28 in all are expected");
+  const auto with_last_column = [](std::string exr, const std::string& last) {
+    const std::size_t window = exr.find("dataWindow") + std::strlen("dataWindow") + 1 + std::strlen("box2i") + 1 + 4;
+    return exr.replace(window + 8, 4, last);
+  };
+  EXPECT_EQ(refusal(with_last_column(EXR, "\xff\xff\xff\x0f")),
+            "it has 268435459x2 pixels, at most 65536 along each side and 2^28 in all are expected");
+  // 2^16 columns from -3 on, 256 rows that are compressed together, five channels of 32 bits.
+  const std::vector<float> v(256, 1.0f);
+  const std::string exr = exr_bytes(
+      1, 256, {{"A", Imf::FLOAT, v}, {"B", Imf::FLOAT, v}, {"G", Imf::FLOAT, v}, {"R", Imf::FLOAT, v}, {"Z", Imf::FLOAT, v}},
+      Imf::DWAB_COMPRESSION);
+  EXPECT_EQ(refusal(with_last_column(exr, std::string("\xfc\xff\0\0", 4))),
+            "OpenEXR: a chunk of rows takes 335544320 bytes, more than 268435456");
 }
 
 TEST(texture_file_test, every_truncation_is_refused) {

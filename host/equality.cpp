@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "../cl/types.h"
 
@@ -52,7 +53,8 @@ void add_test(Equality& result, const std::string& name, const std::vector<Sum>&
 class Differences {
  public:
   Differences(const ImagePlanes& a, const ImagePlanes& b, const Replicas& replicas)
-      : a_(a), b_(b), na_(static_cast<double>(replicas.a)), nb_(static_cast<double>(replicas.b)) {}
+      : a_(a), b_(b), na_(static_cast<double>(replicas.a)), nb_(static_cast<double>(replicas.b)),
+        unit_(std::max({a.error_unit, b.error_unit, double{std::numeric_limits<float>::denorm_min()}})) {}
 
   std::size_t channels() const { return a_.channels.size(); }
   std::size_t values() const { return a_.values.size(); }
@@ -66,7 +68,7 @@ class Differences {
   // Standard deviation of the difference over all ways to tell the replicas of the pixel apart, na and nb of them; the
   // difference itself is at most sqrt(na + nb - 1) times as large.
   double deviation(std::size_t i) const {
-    const double d = plain(i), sa = a_.errors[i], sb = b_.errors[i], n = na_ + nb_;
+    const double d = plain(i), sa = error(a_, i), sb = error(b_, i), n = na_ + nb_;
     if (!std::isfinite(sa + sb)) return 0.0;
     const double squares =
         na_ * (na_ - 1.0) * sa * sa + nb_ * (nb_ - 1.0) * sb * sb + na_ * nb_ / n * d * d;  // around one mean
@@ -84,17 +86,23 @@ class Differences {
   double paired(std::size_t i) const { return std::sqrt(na_ / (2.0 * na_ - 1.0)) * std::abs(studentised(i)); }
 
   // All replicas of one image are above all of the other: none of n is farther from their mean than n - 1 standard errors of
-  // it. Rounding: of the values to float, of a standard error to 2^-31/sqrt(n) of the mean.
+  // it. Rounding: of the values to float, of a standard error to 2^-31/sqrt(n) of the mean beside its unit.
   bool separated(std::size_t i) const {
     const double d = plain(i), size = std::abs(double{a_.values[i]}) + std::abs(double{b_.values[i]});
     const double rounding = size * (0x1p-24 + 0x1p-31 * std::sqrt(std::max(na_, nb_)));
-    const double reach = ((na_ - 1.0) * a_.errors[i] + (nb_ - 1.0) * b_.errors[i]) * (1.0 + 0x1p-22);
+    const double reach = ((na_ - 1.0) * error(a_, i) + (nb_ - 1.0) * error(b_, i)) * (1.0 + 0x1p-22);
     return std::abs(d) > reach + rounding;
   }
 
  private:
+  // No smaller than that of the samples' exact sums: what rounding may have taken is added, to both images the same, so that
+  // exchanging them changes nothing.
+  double error(const ImagePlanes& image, std::size_t i) const {
+    return std::sqrt(double{image.errors[i]} * image.errors[i] + unit_ * unit_);
+  }
+
   const ImagePlanes &a_, &b_;
-  const double na_, nb_;
+  const double na_, nb_, unit_;
 };
 
 using Triple = std::array<double, 3>;
@@ -246,6 +254,9 @@ Equality test_equality(const ImagePlanes& a, const ImagePlanes& b) {
     add_pixel_test(result, differences, a, replicas);
   else
     leave_out("pixel", replicas.exchangeable ? not_whole : replicas.why_not);
+  if (a.stopped_by_error || b.stopped_by_error)
+    result.approximate += (result.approximate.empty() ? "" : " and ") +
+                          std::string("--error has chosen the number of samples by what they were");
   for (const EqualityTest& test : result.tests)
     result.p = std::min(result.p, static_cast<double>(result.tests.size()) * test.p);
   return result;

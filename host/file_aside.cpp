@@ -102,6 +102,12 @@ void FileAside::fail_to_write(int error) const {
   fail(path_, "cannot be written: " + system_message(error), "room for the whole file on a disk that can be written");
 }
 
+void write_text(const std::filesystem::path& path, std::string_view text) {
+  FileAside aside(path);
+  if (std::fwrite(text.data(), 1, text.size(), aside.file()) != text.size()) aside.fail_to_write(errno);
+  aside.commit();
+}
+
 void require_writable(const fs::path& path) { FileAside(path).take_name(); }
 
 }  // namespace oclair

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace oclair {
 
@@ -34,6 +35,9 @@ class FileAside {
   std::filesystem::path aside_;  // empty while the file has no name
   std::FILE* file_ = nullptr;
 };
+
+// The whole of it.
+void write_text(const std::filesystem::path& path, std::string_view text);
 
 // Throws if the file could not be written now; for a failure before a long render instead of after it.
 void require_writable(const std::filesystem::path& path);

@@ -63,6 +63,12 @@ std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std:
   return error;
 }
 
+// Q is the sum of n squares that were rounded by half of their unit each: s^2/(n R^2) errs by (n/2)/((n - 1) n R^2) of it.
+double standard_error_unit(const Film& film) {
+  const double spread = 2.0 * (static_cast<double>(film.replicas) - 1.0);
+  return std::ldexp(1.0, film.exponent - FILM_SQUARE_FRACTION_BITS) / REPLICA_SAMPLES / std::sqrt(spread);
+}
+
 void ImageError::add_to_mean(const Film& film, std::size_t pixel) {
   const auto mean = pixel_mean(film, pixel);
   for (int c = 0; c < 3; ++c) mean_[c] += mean[c] / count_;

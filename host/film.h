@@ -20,6 +20,10 @@ glm::dmat3 pixel_mean_products(const Film& film, std::size_t pixel);
 // adds to the mean is left out of it: the error is that of the mean over the complete ones.
 std::optional<std::array<double, 3>> pixel_standard_error(const Film& film, std::size_t pixel);
 
+// What the rounding of squares can take from a standard error s, or give to it: that of the exact sums has a square between s^2 - u^2 and
+// s^2 + u^2, but for relative errors of 2^-31/sqrt(n) of the mean. Of at least 2 replicas, where no sample was rejected.
+double standard_error_unit(const Film& film);
+
 // Standard error of the whole image: the root of the mean over its pixels of |s|^2/(|mu|^2 + 0.01 |m|^2), with s from pixel_standard_error,
 // mu from pixel_mean and m the mean of all mu, |.| over the three channels. It estimates the error that stopping.h defines; nothing
 // with fewer than two complete replicas, for a black image, or where a pixel has no accepted sample.

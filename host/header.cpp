@@ -16,15 +16,6 @@ namespace {
 
 void append_word(std::string& words, const std::string& word) { words += (words.empty() ? "" : " ") + word; }
 
-std::string feature_names(Features features) {
-  std::string names;
-#define FEATURE_NAME(name, bit, variant, description) \
-  if (features & FEATURE_##name) append_word(names, #name);
-  FEATURE_LIST(FEATURE_NAME)
-#undef FEATURE_NAME
-  return names;
-}
-
 // YYYY:MM:DD hh:mm:ss, the format of the standard attribute capDate.
 std::string date_text(std::int64_t date) {
   const std::time_t seconds = date;
@@ -59,6 +50,15 @@ std::string quoted(std::string_view argument) {
 }
 
 }  // namespace
+
+std::string feature_names(Features features) {
+  std::string names;
+#define FEATURE_NAME(name, bit, variant, description) \
+  if (features & FEATURE_##name) append_word(names, #name);
+  FEATURE_LIST(FEATURE_NAME)
+#undef FEATURE_NAME
+  return names;
+}
 
 std::string approximation_names(const Scene& scene) {
   std::string names;
@@ -101,6 +101,8 @@ ImageAttributes header_attributes(const HeaderTexts& texts, const Figures& figur
   attributes.push_back({"rejectedSamples", std::to_string(figures.rejected)});
   if (figures.rays) attributes.push_back({"rays", std::to_string(*figures.rays)});
   if (figures.estimated_error) attributes.push_back({"estimatedError", static_cast<float>(*figures.estimated_error)});
+  if (figures.standard_error_unit)
+    attributes.push_back({"standardErrorUnit", static_cast<float>(*figures.standard_error_unit)});
   if (!figures.stopped.empty() && !date) attributes.push_back({"stopped", figures.stopped});
   if (date) {
     attributes.push_back({"capDate", date_text(*date)});

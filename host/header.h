@@ -28,6 +28,9 @@ struct Origin {
 // What was asked for at the price of accuracy, on the command line or by the scene's materials: "none", or names.
 std::string approximation_names(const Scene& scene);
 
+// Names of the features, separated by blanks, as the header has them.
+std::string feature_names(Features features);
+
 // As --sampler takes them: "independent", "sobol".
 const char* name_of(SamplerKind sampler);
 
@@ -42,6 +45,7 @@ struct Figures {
   std::uint64_t rejected = 0;       // samples, in all pixels together
   std::optional<std::uint64_t> rays;
   std::optional<double> estimated_error;                // of the image, as --error counts it
+  std::optional<double> standard_error_unit;            // that of standard errors (film.h); nothing: there are none
   std::string stopped;                                  // which limit ended the render; empty: not said
   std::vector<std::pair<std::string, double>> seconds;  // of each phase
 };

@@ -1,6 +1,7 @@
 #include "image_planes.h"
 
 #include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputPart.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -135,7 +137,10 @@ ImagePlanes read(const std::filesystem::path& path, std::FILE* opened, StandardE
   image.seed = text_attribute(header, "seed");
   const std::string rejected = text_attribute(header, "rejectedSamples");
   image.rejected = !rejected.empty() && rejected != "0";
+  image.stopped_by_error = text_attribute(header, "stopped") == "error";
   if (wanted == StandardErrors::skip) return image;
+  if (const auto* unit = header.findTypedAttribute<Imf::FloatAttribute>("standardErrorUnit"))
+    if (std::isfinite(unit->value()) && unit->value() >= 0.0f) image.error_unit = unit->value();
   Names errors = image.channels;
   for (std::string& name : errors) name = "standardError." + name;
   if (const auto part = error_part(file, errors)) {

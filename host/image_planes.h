@@ -17,9 +17,11 @@ struct ImagePlanes {
   std::vector<std::string> channels;    // R G B, or X Y Z, or Y
   std::vector<float> values;            // pixel by pixel, row by row, in the order of the channels
   std::vector<float> errors;            // standard errors of the values; empty: not told, or not asked for
+  double error_unit = 0.0;              // of the standard errors (film.h), as the header has it; 0: not told
   std::vector<SampleRange> ranges;      // of the samples of a pixel, as the header has them; empty: not told
   std::string sampler, seed;            // as the header has them; empty: not told
   bool rejected = false;                // the header says that some samples were
+  bool stopped_by_error = false;        // the header says that the number of samples follows from what they were
 
   std::size_t pixels() const { return static_cast<std::size_t>(width * height); }
 };

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "error.h"
 #include "file_aside.h"
@@ -19,7 +18,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 // What tune can say it has measured.
-constexpr const char* measured_names[] = {"bias", "biasBound", "rootMeanSquareBias", "confidence", "speed", "variance", "timeToEqualError"};
+constexpr const char* measured_names[] = {"bias", "biasBound", "rootMeanSquareBias", "confidence", "error", "speed", "variance", "timeToEqualError"};
 
 [[noreturn]] void refuse(const fs::path& file, std::size_t line, const std::string& what) {
   throw Error(Exit::scene, file.string() + ":" + std::to_string(line) + ": " + what);
@@ -76,7 +75,12 @@ class Entries : public nlohmann::json_sax<Json> {
   bool end_array() override { return true; }
   bool start_object(std::size_t) override {
     if (++depth_ > 2) unexpected("an object in an object in an object");
-    object_ = depth_ == 2 ? name_ : "";
+    if (depth_ == 2) {
+      if (name_ != "settings" && name_ != "measured")
+        refuse(file_, key_line_, "unknown object \"" + one_line(name_) + "\", expected settings or measured");
+      require_new();
+      object_ = name_;
+    }
     return true;
   }
   bool end_object() override {
@@ -97,10 +101,13 @@ class Entries : public nlohmann::json_sax<Json> {
   [[noreturn]] void unexpected(const std::string& what) {
     refuse(file_, line_, what + (name_.empty() ? "" : " as \"" + one_line(name_) + "\"") + ", expected text or a number");
   }
-  bool add(const std::string& value) {
-    if (depth_ == 0) unexpected("a value outside of an object");
+  void require_new() {
     if (const auto [before, is_new] = lines_.emplace(std::pair(object_, name_), key_line_); !is_new)
       refuse(file_, key_line_, "\"" + one_line(name_) + "\" stands in line " + std::to_string(before->second) + " already, expected it once");
+  }
+  bool add(const std::string& value) {
+    if (depth_ == 0) unexpected("a value outside of an object");
+    require_new();
     entries_.push_back({object_, name_, value, key_line_});
     return true;
   }
@@ -116,10 +123,12 @@ class Entries : public nlohmann::json_sax<Json> {
 
 std::string read_text(const fs::path& file) {
   constexpr std::size_t most = 1 << 20;  // bytes
-  std::ifstream stream(file, std::ios::binary);
+  std::error_code ignored;
+  std::ifstream stream;
+  if (fs::is_regular_file(file, ignored)) stream.open(file, std::ios::binary);  // a pipe would wait for its writer
   std::string text(most + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream.is_open() || stream.bad() || (stream.gcount() == 0 && !fs::is_regular_file(file)))
+  if (!stream.is_open() || stream.bad())
     throw Error(Exit::scene, file.string() + ": cannot be read, expected a settings file of oclair tune");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > most) throw Error(Exit::scene, file.string() + ": is larger than 1 MiB, expected a settings file of oclair tune");
@@ -155,13 +164,11 @@ SettingsFile read_settings(const fs::path& file) {
       } catch (const Error& error) {
         refuse(file, entry.line, error.what());
       }
-    } else if (entry.object == "measured") {
+    } else {  // measured
       if (std::find(std::begin(measured_names), std::end(measured_names), entry.name) == std::end(measured_names))
         refuse(file, entry.line, "unknown measure " + quoted + ", expected one of those that oclair tune writes");
       if (!parse_number(entry.value)) refuse(file, entry.line, quoted + " is '" + one_line(entry.value) + "', expected a number");
       settings.measured.emplace_back(entry.name, entry.value);
-    } else {
-      refuse(file, entry.line, "unknown object \"" + one_line(entry.object) + "\", expected settings or measured");
     }
   }
   return settings;
@@ -174,10 +181,7 @@ void write_settings(const fs::path& file, const SettingsFile& settings) {
     if (const std::string value = choice.get(settings.choices); !value.empty()) json["settings"][choice.name] = value;
   for (const auto& [name, value] : settings.measured)
     if (const auto number = parse_number(value)) json["measured"][name] = *number;
-  std::ofstream stream(file);
-  stream << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
-  if (!stream.flush())
-    throw Error(Exit::render_failed, file.string() + ": cannot be written, expected a file in a writable directory");
+  write_text(file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace oclair

@@ -288,6 +288,30 @@ TEST(equality_statistics, one_pixel_without_noise_that_differs_is_found_with_eno
   }
 }
 
+// A lamp out of sight that is 10^10 times as bright sets the unit of the standard errors: noise below it is not resolved.
+TEST(equality_statistics, noise_that_the_standard_errors_do_not_resolve_is_no_difference) {
+  for (const std::uint64_t n : {2u, 32u}) {
+    Random random(12);
+    const Law law = [](Random& r) { return 0.3 + 1e-5 * normal(r); };
+    ImagePlanes a = image(32, 32, n, law, random), b = image(32, 32, n, law, random);
+    for (ImagePlanes* const planes : {&a, &b}) planes->errors.assign(planes->errors.size(), 0.0f);
+    EXPECT_EQ(test_equality(a, b).differs(1e-3), n == 32u);
+    a.error_unit = 1e-3;
+    EXPECT_FALSE(test_equality(a, b).differs(1e-3));
+    EXPECT_EQ(test_equality(a, b).p, test_equality(b, a).p);
+    b.values[300] = 0.5f;  // far beyond it
+    EXPECT_EQ(test_equality(a, b).differs(1e-3), n == 32u);
+  }
+}
+
+TEST(equality_statistics, a_number_of_samples_that_error_has_chosen_makes_the_rate_approximate) {
+  Random random(13);
+  ImagePlanes a = image(8, 8, 4, gaussian, random), b = image(8, 8, 4, gaussian, random);
+  EXPECT_EQ(test_equality(a, b).approximate, "");
+  b.stopped_by_error = true;
+  EXPECT_EQ(test_equality(a, b).approximate, "--error has chosen the number of samples by what they were");
+}
+
 // The numbers depend on the seed alone, not on the scene.
 TEST(equality_statistics, images_that_share_random_numbers_or_differ_in_samplers_are_not_judged_by_single_pixels) {
   Random random(5);

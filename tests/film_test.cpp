@@ -531,6 +531,44 @@ TEST(film_test, standard_error_is_that_of_the_mean_of_replicas) {
   }
 }
 
+// Noise around the unit, from a thousandth of it on, and none: the square that exact sums would have is within the unit's. Long
+// double loses up to 6 2^-64 of Q beside it (as above).
+TEST(film_test, what_rounding_takes_from_a_standard_error_is_below_its_unit) {
+  Random random(21);
+  double largest = 0.0;  // of what is lost, in squares of the unit
+  for (const int exponent : {0, 33})
+    for (const std::size_t replicas : {2, 3, 40})
+      for (int power = -12; power <= 6; ++power) {
+        const double noise = power == -12 ? 0.0 : std::ldexp(1.0, exponent - FILM_SQUARE_FRACTION_BITS - 4 + power);
+        std::vector<packed_float3> samples;
+        for (std::size_t i = 0; i < replicas * REPLICA_SAMPLES; ++i) {
+          const auto value = [&](double mean) { return static_cast<float>(std::ldexp(mean, exponent - 30) + noise * random.unit()); };
+          samples.push_back({value(0.0), value(0.003), value(1e-5)});
+        }
+        FilmVector<FilmPixel> film(1);
+        FilmVector<FilmErrors> errors(1);
+        add_in_replicas(film, errors, samples, 0, exponent);
+        const Film read{1, 1, exponent, samples.size(), film, {}, errors, replicas};
+        const auto error = pixel_standard_error(read, 0);
+        ASSERT_TRUE(error);
+        const double unit = standard_error_unit(read), n = static_cast<double>(replicas);
+        for (int c = 0; c < 3; ++c) {
+          std::vector<__float128> sum(replicas);
+          for (std::size_t i = 0; i < samples.size(); ++i)
+            sum[i / REPLICA_SAMPLES] += c == 0 ? samples[i].x : c == 1 ? samples[i].y : samples[i].z;
+          __float128 mean = 0, variance = 0, squares = 0;
+          for (const __float128 s : sum) mean += s / replicas, squares += s * s;
+          for (const __float128 s : sum) variance += (s - mean) * (s - mean) / (replicas - 1);
+          const double exact = static_cast<double>(variance / replicas) / REPLICA_SAMPLES / REPLICA_SAMPLES;
+          const double of_long_double = static_cast<double>(6 * squares) * 0x1p-64 / n / (n - 1) / REPLICA_SAMPLES / REPLICA_SAMPLES;
+          const double lost = std::abs((*error)[c] * (*error)[c] - exact);
+          EXPECT_LE(lost, unit * unit + of_long_double + 1e-12 * exact) << exponent << " " << replicas << " " << power;
+          largest = std::max(largest, (lost - of_long_double) / (unit * unit));
+        }
+      }
+  EXPECT_GT(largest, 0.1);
+}
+
 TEST(film_test, there_is_no_standard_error_before_two_replicas_are_complete_or_without_a_sample) {
   Film film{1, 1, 0, 2 * REPLICA_SAMPLES - 1, {FilmPixel{}}, {}, {FilmErrors{}}, 1};
   EXPECT_FALSE(pixel_standard_error(film, 0));

@@ -9,9 +9,11 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <thread>
 
 #include "../host/checkpoint_lock.h"
+#include "../host/choices.h"
 #include "checkpoint_cases.h"
 #include "exr_reader.h"
 #include "files.h"
@@ -235,6 +237,37 @@ TEST_F(resume_image, parts_by_separate_processes_are_merged_to_the_bits_of_a_sin
     for (int k = 0; k < 4; ++k)
       for (const char* ending : {".exr", ".checkpoint"})
         EXPECT_TRUE(fs::remove(directory / ("part-" + std::to_string(k) + ending)));
+  }
+}
+
+// On a scene where each option matters, two models of Oren-Nayar among its surfaces, so that naming the approximations would not tell
+// what became of the other.
+TEST_F(resume_image, samples_of_other_options_are_never_mixed) {
+  const std::string file = directory / "scene.xml";
+  put(file, R"(<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="6"/></integrator>
+    <sensor type="perspective"><transform name="to_world"><lookat origin="0,-4,1" target="0,0,0" up="0,0,1"/></transform></sensor>
+    <emitter type="constant"/>
+    <shape type="rectangle"><bsdf type="roughdiffuse"><float name="alpha" value="0.5"/></bsdf></shape>
+    <shape type="sphere"><bsdf type="roughdiffuse"><float name="alpha" value="0.5"/><boolean name="use_fast_approx" value="true"/></bsdf>
+      <transform name="to_world"><scale value="0.3"/><translate x="-0.5" z="0.4"/></transform></shape>
+    <shape type="sphere"><bsdf type="dielectric"/><transform name="to_world"><scale value="0.3"/><translate x="0.5" z="0.4"/></transform></shape>
+  </scene>)");
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", file, "--size", "8x8", "-o", image_of("a"), "--checkpoint", checkpoint_of("a")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_oclair(arguments);
+  };
+  ASSERT_EQ(render({"--spp", "4"}).exit, 0);
+  const std::map<std::string, std::vector<std::string>> others = {
+      {"fresnel", {"schlick"}}, {"oren-nayar", {"full", "qualitative"}}, {"max-depth", {"5"}}, {"rr-depth", {"4"}}, {"light-sampling", {"bsdf"}},
+      {"sampler", {"independent"}}, {"clamp", {"0.5"}}, {"kernels", {"exact"}}, {"arithmetic", {"double"}}, {"bvh-width", {"4"}}};
+  for (const Choice& choice : choices()) {
+    ASSERT_EQ(others.count(choice.name), 1u) << choice.name << " is new: give values of it that are not its default";
+    if (choice.name == std::string("arithmetic") && open_device().device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0) continue;
+    for (const std::string& value : others.at(choice.name)) {
+      const ProgramResult result = render({"--spp", "8", "--resume", "--" + std::string(choice.name), value});
+      EXPECT_EQ(result.exit, choice.effect == Effect::none ? 0 : 1) << choice.name << " " << value << ": " << result.err;
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #include "../host/settings_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <set>
 
@@ -37,7 +38,7 @@ SettingsFile full() {
   settings.program = "oclair 9.9";
   settings.scene = "a \"scene\"\n.xml";
   settings.scene_hash = "0123456789abcdef";
-  settings.measured = {{"bias", "-0.0012"}, {"biasBound", "0.003"}, {"confidence", "0.95"}, {"speed", "1.25"}};
+  settings.measured = {{"bias", "-0.0012"}, {"biasBound", "0.003"}, {"confidence", "0.95"}, {"error", "0.02"}, {"speed", "1.25"}};
   for (const Choice& choice : choices()) choice.set(settings.choices, values_of(choice).back(), choice.name);
   return settings;
 }
@@ -143,6 +144,8 @@ TEST_F(settings_file_test, unknown_names_are_refused_with_those_that_are_known) 
   expect_refused(setting("clamp\\u0000", "\"1\""), 3, "clamp?");
   expect_refused(setting("\\u001b[31mred\\n", "\"1\""), 3, "?[31mred?");
   expect_refused("{\"measured\": {\n\"biass\": 1}}", 2, "biass");
+  for (const char* name : {"setings", "", "Settings", "program"})  // of an object, whatever it holds
+    expect_refused("{\n\"" + std::string(name) + "\": {}}", 2, "unknown object \"" + std::string(name) + "\"");
 }
 
 TEST_F(settings_file_test, wrong_values_are_refused_with_those_that_are_right) {
@@ -179,6 +182,8 @@ TEST_F(settings_file_test, values_that_are_neither_text_nor_numbers_are_refused)
 TEST_F(settings_file_test, a_name_stands_once) {
   expect_refused("{\"settings\": {\n\"clamp\": 1,\n\"max-depth\": 1,\n\"clamp\": 1}}", 4, "line 2");
   expect_refused("{\"settings\": {\"clamp\": 1},\n\"settings\": {\"clamp\": 2}}", 2, "line 1");
+  expect_refused("{\"settings\": {},\n\"settings\": {}}", 2, "line 1");
+  expect_refused("{\"settings\": {\"clamp\": 1},\n\"settings\": {\"fresnel\": \"exact\"}}", 2, "line 1");
   expect_refused("{\"scene\": \"a\",\n\n\"scene\": \"a\"}", 3, "line 1");
   expect_refused("{\"measured\": {\"bias\": 1,\n\"bias\": 1}}", 2, "line 1");
 }
@@ -228,6 +233,9 @@ TEST_F(settings_file_test, as_many_names_as_a_file_holds_are_told_apart) {
 TEST_F(settings_file_test, files_that_cannot_be_settings_are_refused) {
   EXPECT_NE(refusal().find("cannot be read"), std::string::npos);  // there is none
   std::filesystem::create_directory(file);
+  EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
+  std::filesystem::remove(file);
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);  // nobody will ever write into it
   EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
   std::filesystem::remove(file);
   const std::string spaces((1 << 20) - 2, ' ');

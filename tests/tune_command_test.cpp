@@ -107,6 +107,32 @@ TEST(tune_command_test, table_json_report_and_settings_are_written_and_render_ta
   EXPECT_EQ(render.err.find("warning"), std::string::npos) << render.err;  // the scene is that of the settings
   const std::string header = std::get<std::string>(read_exr(exr).attributes.at("settings"));
   EXPECT_EQ(header.find(oclair::text_of(recommended.choices) + " bias="), 0u) << header;
+  EXPECT_NE(header.find(" error=0.5 "), std::string::npos) << header;  // without it the time to it says nothing
+}
+
+// What was measured of a setting says nothing of another one.
+TEST(tune_command_test, options_beside_a_settings_file_leave_its_measures_out) {
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "s.json", exr = directory / "a.exr";
+  oclair::SettingsFile settings;
+  settings.choices.max_depth = 8;
+  settings.measured = {{"bias", "-0.001"}, {"biasBound", "0.002"}};
+  oclair::write_settings(file, settings);
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", (scenes / "furnace.xml").string(), "-o", exr.string(), "--spp", "1", "--size", "8x8", "--settings", file.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = run_oclair(arguments);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    return std::pair(result.err, std::get<std::string>(read_exr(exr).attributes.at("settings")));
+  };
+  const std::string said = "the options of the command line make it max-depth=1";
+  const auto [quiet, measured] = render({"--max-depth", "8"});  // as the file has it
+  EXPECT_EQ(quiet.find("the options of the command line"), std::string::npos) << quiet;
+  EXPECT_EQ(measured.find("max-depth=8 bias=-0.001 biasBound=0.002 of "), 0u) << measured;
+  const auto [warned, changed] = render({"--max-depth", "1"});
+  EXPECT_NE(warned.find(said), std::string::npos) << warned;
+  EXPECT_EQ(changed.find("max-depth=8 changed to max-depth=1 of "), 0u) << changed;
+  EXPECT_EQ(changed.find("bias"), std::string::npos) << changed;
 }
 
 TEST(tune_command_test, what_depends_on_no_clock_is_the_same_again) {
@@ -175,6 +201,44 @@ TEST(tune_command_test, outputs_take_neither_each_others_place_nor_the_scenes) {
     EXPECT_NE(result.err.find("expected a file of its own"), std::string::npos) << result.err;
     EXPECT_EQ(content(scene), before);
   }
+}
+
+// What the scene's file names is the scene's as well.
+TEST(tune_command_test, meshes_and_textures_of_the_scene_are_not_written_over) {
+  const TemporaryDirectory directory;
+  const fs::path scene = directory / "scene.xml", mesh = directory / "mesh.obj";
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  put(mesh, vertices);
+  put(scene, "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\"/><emitter type=\"constant\"/>"
+             "<shape type=\"obj\"><string name=\"filename\" value=\"mesh.obj\"/></shape></scene>");
+  for (const char* option : {"--json", "--html", "--write"}) {
+    const ProgramResult result = run_oclair({"tune", scene.string(), "--size", "16x12", "--replicas", "4", "--budget", "1s", option, mesh.string()});
+    EXPECT_EQ(result.exit, 2) << result.err;
+    EXPECT_NE(result.err.find("expected a file of its own"), std::string::npos) << result.err;
+    EXPECT_EQ(content(mesh), vertices);
+  }
+}
+
+// Nothing is recommended that has not been measured.
+TEST(tune_command_test, a_budget_too_short_for_one_setting_is_told_and_writes_nothing) {
+  const TemporaryDirectory directory;
+  const fs::path settings = directory / "s.json";
+  const std::vector<std::vector<std::string>> cases = {{"--size", "16x12"}, {}};  // the film as it is asked for, and as the budget allows
+  for (std::vector<std::string> arguments : cases) {
+    arguments.insert(arguments.begin(), {"tune", (scenes / "furnace.xml").string(), "--replicas", "4", "--budget", "0.01s", "--write", settings.string()});
+    const ProgramResult result = run_oclair(arguments);
+    EXPECT_EQ(result.exit, 5) << result.err;
+    EXPECT_NE(result.err.find("expected --budget "), std::string::npos) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_TRUE(directory.names().empty());
+  }
+}
+
+TEST(tune_command_test, pictures_that_do_not_fit_into_memory_are_refused_before_they_are_rendered) {
+  const ProgramResult result = run_oclair({"tune", (scenes / "furnace.xml").string(), "--size", "16384x16384", "--replicas", "4096"});
+  EXPECT_EQ(result.exit, 4) << result.err;
+  EXPECT_NE(result.err.find("4096 replicas of 16384x16384 pixels take "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("expected at most "), std::string::npos) << result.err;
 }
 
 // As soon as it has a handler for it; then it is asked between two pictures, so that at worst one of them is waited for.

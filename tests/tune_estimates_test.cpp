@@ -130,8 +130,9 @@ TEST(tune_estimates_test, error_of_a_replica_is_measured_against_the_reference) 
 TEST(tune_estimates_test, figures_are_those_of_the_definitions) {
   const std::size_t n = 5;
   const Replicas accurate = random_replicas(3, n), other = random_replicas(4, n, 0.7);
-  const Picture mean = mean_picture(random_replicas(7, 3).pictures);
-  const Estimates e = estimate(mean, accurate, other, 0.9);
+  const std::vector<Picture> reference = random_replicas(7, n).pictures;
+  const Picture mean = mean_picture(reference);
+  const Estimates e = estimate(reference, accurate, other, 0.9);
   double products = 0.0, variance[2] = {}, level = 0.0, shift = 0.0;
   for (std::size_t i = 0; i < 3 * pixels; ++i) {
     const double w = weight(mean, i / 3) / static_cast<double>(pixels);
@@ -163,7 +164,7 @@ TEST(tune_estimates_test, brightness_of_the_scene_changes_no_figure) {
       for (float& value : picture) value *= factor;
     return replicas;
   };
-  const auto estimated = [](const Replicas& a, const Replicas& b) { return estimate(mean_picture(a.pictures), a, b, 0.9); };
+  const auto estimated = [](const Replicas& a, const Replicas& b) { return estimate(a.pictures, a, b, 0.9); };
   const Estimates e = estimated(accurate, other);
   for (const float factor : {0x1p-60f, 0x1p60f}) {
     const Estimates f = estimated(scaled(accurate, factor), scaled(other, factor));
@@ -178,7 +179,7 @@ TEST(tune_estimates_test, brightness_of_the_scene_changes_no_figure) {
 TEST(tune_estimates_test, pictures_without_noise_have_no_variance_for_any_number_of_replicas) {
   for (std::size_t n = 2; n <= 40; ++n)
     for (const float value : {0.1f, 0.3333f, 7.7f}) {
-      const Estimates e = estimate(flat(value, 2).pictures[0], flat(value, n), flat(2.0f * value, n), 0.95);
+      const Estimates e = estimate(flat(value, n).pictures, flat(value, n), flat(2.0f * value, n), 0.95);
       EXPECT_EQ(e.replica_variance, 0.0) << n << " " << value;
       EXPECT_EQ(e.variance.estimate, 1.0) << n << " " << value;
       EXPECT_NEAR(e.bias.estimate, 1.0, 1e-6);
@@ -187,7 +188,7 @@ TEST(tune_estimates_test, pictures_without_noise_have_no_variance_for_any_number
 }
 
 TEST(tune_estimates_test, black_pictures_have_neither_bias_nor_variance) {
-  const Estimates e = estimate(flat(0.0f, 4).pictures[0], flat(0.0f, 4), flat(0.0f, 4), 0.95);
+  const Estimates e = estimate(flat(0.0f, 4).pictures, flat(0.0f, 4), flat(0.0f, 4), 0.95);
   EXPECT_TRUE(e.same);
   for (const double value : {e.bias.low, e.bias.high, e.squared_bias.low, e.squared_bias.high, e.replica_variance, e.bias_bound})
     EXPECT_EQ(value, 0.0);

@@ -101,6 +101,26 @@ TEST(tune_rank_test, a_bias_is_small_enough_only_if_both_its_bounds_are_below_th
   EXPECT_LT(enough, biased * 9 / 10);
 }
 
+TEST(tune_rank_test, what_should_have_no_effect_and_shows_one_is_not_accurate_enough) {
+  Row row;
+  row.estimates.speed = row.estimates.variance = {1, 1, 1};
+  const auto enough = [&](Effect effect, bool same, Interval bias) {
+    row.effect = effect;
+    row.estimates.same = same;
+    row.estimates.bias = bias;
+    judge(row, 0.05);
+    return row.accurate_enough;
+  };
+  const Interval around_none{0.001, -0.001, 0.002}, none{0, 0, 0}, darker{-0.085, -0.09, -0.08};
+  EXPECT_TRUE(enough(Effect::none, true, none));
+  EXPECT_FALSE(enough(Effect::none, false, around_none));
+  EXPECT_TRUE(enough(Effect::noise, true, none));
+  EXPECT_TRUE(enough(Effect::noise, false, around_none));
+  EXPECT_FALSE(enough(Effect::noise, false, darker));
+  // The samples seen do not bound what others may lose.
+  EXPECT_FALSE(enough(Effect::bias, true, none));
+}
+
 // A setting may have no noise at all where the accurate one has some (a path cut short in a uniform room), and the reverse.
 TEST(tune_rank_test, gains_are_numbers_where_a_variance_is_zero_or_unbounded) {
   for (const Interval variance : {Interval{0, 0, 0}, Interval{infinity, 0, infinity}, Interval{1, 0, infinity}, Interval{1, 1, 1}})

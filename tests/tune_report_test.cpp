@@ -60,6 +60,25 @@ TEST(tune_report_test, what_a_file_is_called_is_no_markup) {
   EXPECT_NE(page.find("a &lt;b&gt; &amp; &quot;c&quot;.xml"), std::string::npos);
 }
 
+TEST(tune_report_test, what_a_file_is_called_cannot_break_the_page) {
+  Result r = result();
+  r.scene = "a\xff\033[31m\nb.xml";
+  const std::string page = report_of(r);
+  EXPECT_NE(page.find("a\xef\xbf\xbd?[31m?b.xml"), std::string::npos);  // U+FFFD
+  EXPECT_EQ(page.find('\033'), std::string::npos);
+  EXPECT_EQ(page.find('\xff'), std::string::npos);
+}
+
+// On the plot are those that reach the error, and nothing is both sooner and less biased than a filled one.
+TEST(tune_report_test, settings_that_never_reach_the_error_are_named_below_the_plot) {
+  Result r = result();
+  for (Row& shown : r.rows) shown.seconds = 1.0;
+  EXPECT_EQ(report_of(r).find("Never there"), std::string::npos);
+  r.rows[0].seconds.reset();
+  r.rows[0].gain = {0, 0, 0};
+  EXPECT_NE(report_of(r).find("Never there, since their bias alone is as large as the error: fresnel=schlick."), std::string::npos);
+}
+
 TEST(tune_report_test, the_page_needs_nothing_else) {
   const std::string page = report_of(result());
   EXPECT_EQ(page.find("http"), std::string::npos);

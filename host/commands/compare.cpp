@@ -164,12 +164,6 @@ void print(const Findings& found, const CompareOptions& options, std::ostream& o
   print(found.equality, options.alpha, out);
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  FileAside aside(path);
-  if (std::fwrite(text.data(), 1, text.size(), aside.file()) != text.size()) aside.fail_to_write(errno);
-  aside.commit();
-}
-
 // Outputs that cannot be written are found before anything is read.
 void require_outputs(const CompareOptions& options) {
   std::vector<fs::path> outputs, inputs = {options.a, options.b};

@@ -8,6 +8,7 @@
 #include "../checkpoint.h"
 #include "../checkpoint_lock.h"
 #include "../file_aside.h"
+#include "../film.h"
 #include "../progress.h"
 #include "options.h"
 #include "output.h"
@@ -93,7 +94,7 @@ Exit merge_files(const MergeOptions& options) {
   attempt_all({[&] { write_images(options.images, sum, {}); },
                [&] { if (options.checkpoint) write_checkpoint(*options.checkpoint, sum); }});
   progress.end();
-  if (const std::string warning = film_warning(sum.film); !warning.empty()) progress.warning(warning);
+  if (const std::string warning = rejection_warning(rejected_samples(sum.film)); !warning.empty()) progress.warning(warning);
   if (const std::string warning = replica_warning(sum); !warning.empty()) progress.warning(warning);
   if (options.checkpoint) std::cout << options.checkpoint->string() << "\n";
   print_files(options.images);

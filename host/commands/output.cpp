@@ -60,6 +60,7 @@ void write_exr_image(const std::filesystem::path& path, const Checkpoint& checkp
   figures.rejected = rejected_samples(film);
   figures.rays = film.rays;
   figures.estimated_error = image_error(film);
+  if (film.replicas >= 2) figures.standard_error_unit = standard_error_unit(film);
   figures.stopped = run.stopped;
   figures.seconds = run.seconds;
   write_exr(path, {window.width, window.height, window.crop_x, window.crop_y, window.crop_width, window.crop_height},
@@ -79,8 +80,7 @@ void print_files(const ImageFiles& files) {
     if (written) std::cout << written->string() << "\n";
 }
 
-std::string film_warning(const Film& film) {
-  const std::uint64_t rejected = rejected_samples(film);
+std::string rejection_warning(std::uint64_t rejected) {
   return rejected == 0 ? ""
                        : std::to_string(rejected) + " samples were not finite, negative or too large and are left out";
 }

@@ -37,7 +37,7 @@ void write_images(const ImageFiles& files, const Checkpoint& checkpoint, const R
 // For standard output: the names, a line each.
 void print_files(const ImageFiles& files);
 
-// What the user must know of the samples; empty: nothing.
-std::string film_warning(const Film& film);
+// What the user must know of so many rejected samples; empty: nothing.
+std::string rejection_warning(std::uint64_t rejected);
 
 }  // namespace oclair

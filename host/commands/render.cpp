@@ -6,6 +6,7 @@
 
 #include "../checkpoint_lock.h"
 #include "../file_aside.h"
+#include "../film.h"
 #include "../scene_hash.h"
 #include "../settings_file.h"
 #include "../signals.h"
@@ -81,6 +82,7 @@ Identity identity_of(const Scene& scene, const std::string& hash) {
           {"sampler", name_of(static_cast<SamplerKind>(settings.sampler))},
           {"max depth", std::to_string(settings.max_depth)},
           {"rr depth", std::to_string(settings.rr_depth)},
+          {"features", feature_names(scene.features)},  // which model each option left
           {"approximations", approximation_names(scene)},
           {"arithmetic", arithmetic_name(scene)}};
 }
@@ -151,10 +153,17 @@ std::string light_warning(const Settings& settings) {
          "expected more light";
 }
 
-// Of the settings file, with what was measured of its choices, for the image's header.
-std::string settings_text(const SettingsFile& settings) {
+// What was measured holds for the choices of the settings file together, and for no others.
+bool has_been_measured(const SettingsFile& settings, const Choices& chosen) { return text_of(chosen) == text_of(settings.choices); }
+
+// For the image's header: the choices of a settings file, with what was measured of them if nothing else was chosen.
+std::string settings_text(const SettingsFile& settings, const Choices& chosen) {
   std::string text = text_of(settings.choices);
-  for (const auto& [name, value] : settings.measured) text += " " + name + "=" + value;
+  if (has_been_measured(settings, chosen)) {
+    for (const auto& [name, value] : settings.measured) text += " " + name + "=" + value;
+  } else {
+    text += " changed to " + text_of(chosen);
+  }
   return one_line(text + " of " + settings.scene + " " + settings.scene_hash);
 }
 
@@ -203,6 +212,9 @@ Exit render(const RenderOptions& options) {
   if (settings && settings->scene_hash != hash)
     progress.warning(options.settings->string() + ": was measured on another scene, " + one_line(settings->scene) + ' ' +
                      one_line(settings->scene_hash) + ": what it says of the bias need not hold for this one");
+  if (settings && !has_been_measured(*settings, chosen))
+    progress.warning(options.settings->string() + ": the options of the command line make it " + text_of(chosen) +
+                     ": what it says of the bias is of " + text_of(settings->choices));
   Checkpoint state;
   state.head.film = world.film;
   state.head.moment_name = world.integrator.moment_name;
@@ -213,7 +225,7 @@ Exit render(const RenderOptions& options) {
   if (const std::string warning = light_warning(scene.settings); !warning.empty()) progress.warning(warning);
   state.identity = identity_of(scene, hash);
   state.head.attributes = header_texts({options.scene.filename().string(), hash, command_line(), options_text(options, scene)}, scene, device);
-  if (settings) state.head.attributes.emplace_back("settings", settings_text(*settings));
+  if (settings) state.head.attributes.emplace_back("settings", settings_text(*settings, chosen));
   state.film.width = scene.settings.crop_width;
   state.film.height = scene.settings.crop_height;
   state.film.exponent = scene.settings.film_exponent;
@@ -287,7 +299,7 @@ Exit render(const RenderOptions& options) {
                [&] { if (keeps) way.write_checkpoint(state); }});
   if (!keeps) remove_checkpoint(options.checkpoint);
   phases.end();
-  if (const std::string warning = film_warning(state.film); !warning.empty()) progress.warning(warning);
+  if (const std::string warning = rejection_warning(rejected_samples(state.film)); !warning.empty()) progress.warning(warning);
   tell_files();
   print_files(options.images);
   const Exit exit = done ? Exit::success : Exit::stopped;

@@ -14,6 +14,7 @@
 #include "../tune/table.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 namespace oclair {
 namespace {
@@ -23,12 +24,6 @@ struct TuneOptions {
   std::optional<std::string> json;  // a file, or - for standard output
   std::optional<std::filesystem::path> html, settings;
 };
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  FileAside file(path);
-  if (std::fwrite(text.data(), 1, text.size(), file.file()) != text.size()) file.fail_to_write(errno);
-  file.commit();
-}
 
 // A bar that is drawn anew on a terminal, or a line a setting.
 class Bar {
@@ -60,12 +55,20 @@ Exit run(const TuneOptions& options) {
     if (file) outputs.push_back(*file);
   require_distinct(outputs, {options.request.scene});
   for (const std::filesystem::path& file : outputs) require_writable(file);
+  tune::Request request = options.request;
+  request.inspect = [&](const World& world) {
+    std::vector<std::filesystem::path> inputs;
+    for (const SceneFile& file : world.files) inputs.emplace_back(file.path);
+    require_distinct(outputs, inputs);
+    print_warnings(world, std::cerr);
+  };
   const Bar bar;
-  const tune::Result result = tune::tune(options.request, [&](std::size_t done, std::size_t of, const std::string& name) {
+  const tune::Result result = tune::tune(request, [&](std::size_t done, std::size_t of, const std::string& name) {
     handlers.take_back();  // from a driver that has compiled
     bar.show(done, of, name);
   });
   bar.end();
+  if (result.rejected > 0) std::cerr << "warning: " << rejection_warning(result.rejected) << "\n";
   std::ostream& lines = json_only ? std::cerr : std::cout;
   tune::print_table(result, lines);
   lines << tune::advice(result) << std::endl;

@@ -33,6 +33,11 @@ struct Sums {
 // For variances: from the first picture as the origin, so that pictures that are all the same have none, to the last bit.
 Sums around_first(const std::vector<Picture>& pictures) { return {pictures, pictures.front()}; }
 
+template <class Value>
+double mean_of(const std::vector<Value>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 std::vector<double> weights_of(const Picture& mean) {
   std::array<double, 3> colour{};
   const std::size_t pixels = mean.size() / 3;
@@ -73,12 +78,29 @@ double squared_bias_of(const std::vector<double>& weights, const Sums& sums, dou
   });
 }
 
-// f(null) with f of each picture left out.
-template <class Function>
-Interval jackknife(const std::vector<Picture>& pictures, double confidence, Function f) {
+// The reference weighs as well, and has noise: replica k of both is left out together.
+Interval squared_bias(const std::vector<double>& weights, const std::vector<Picture>& reference, const std::vector<Picture>& apart,
+                      double confidence) {
+  const Sums sums(apart), mu(reference);
+  const double n = static_cast<double>(apart.size());
   std::vector<double> without;
-  for (const Picture& picture : pictures) without.push_back(f(&picture));
-  return jackknife_interval(f(static_cast<const Picture*>(nullptr)), without, confidence);
+  for (std::size_t k = 0; k < apart.size(); ++k) {
+    Picture mean(mu.sum.size());
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = static_cast<float>((mu.sum[i] - reference[k][i]) / (n - 1.0));
+    without.push_back(squared_bias_of(weights_of(mean), sums, n, &apart[k]));
+  }
+  return jackknife_interval(squared_bias_of(weights, sums, n, nullptr), without, confidence);
+}
+
+// Relative to the mean of the reference, one number for each replica. That mean has noise, which makes the ratio b of two means err by
+// -b times it, to first order (Casella, Berger 2002, 5.5.4): it is added to the differences.
+std::vector<double> relative_shifts(const std::vector<Picture>& reference, const std::vector<Picture>& apart) {
+  std::vector<double> shifts, levels;
+  for (const Picture& d : apart) shifts.push_back(mean_of(d));
+  for (const Picture& picture : reference) levels.push_back(mean_of(picture));
+  const double level = mean_of(levels), ratio = level > 0.0 ? mean_of(shifts) / level : 0.0;
+  for (std::size_t k = 0; k < shifts.size(); ++k) shifts[k] = level > 0.0 ? (shifts[k] - ratio * (levels[k] - level)) / level : 0.0;
+  return shifts;
 }
 
 // The ratio of variances, whose logarithm is nearer to normal. Replica k of both is left out together.
@@ -96,10 +118,6 @@ Interval variance_ratio(const std::vector<double>& weights, const Replicas& accu
   const Interval logs = jackknife_interval(log_ratio(nullptr, nullptr), without, confidence);
   if (!std::isfinite(logs.low) || !std::isfinite(logs.high)) return {vb / va, 0.0, infinity};
   return {std::exp(logs.estimate), std::exp(logs.low), std::exp(logs.high)};
-}
-
-double mean_of(const Picture& picture) {
-  return std::accumulate(picture.begin(), picture.end(), 0.0) / static_cast<double>(picture.size());
 }
 
 std::vector<Picture> differences(const std::vector<Picture>& a, const std::vector<Picture>& b) {
@@ -124,10 +142,10 @@ double confidence_of_each(double together, std::size_t settings) {
   return 1.0 - std::max(1e-12, (1.0 - together) / (5.0 * static_cast<double>(settings)));
 }
 
-Estimates estimate(const Picture& reference, const Replicas& accurate, const Replicas& other, double confidence) {
-  assert(accurate.pictures.size() == other.pictures.size() && accurate.pictures.size() >= 2);
+Estimates estimate(const std::vector<Picture>& reference, const Replicas& accurate, const Replicas& other, double confidence) {
+  assert(accurate.pictures.size() == other.pictures.size() && reference.size() == other.pictures.size() && reference.size() >= 2);
   const double n = static_cast<double>(accurate.pictures.size());
-  const std::vector<double> weights = weights_of(reference);
+  const std::vector<double> weights = weights_of(mean_picture(reference));
   Estimates e;
   e.same = accurate.pictures == other.pictures;
 
@@ -138,14 +156,11 @@ Estimates estimate(const Picture& reference, const Replicas& accurate, const Rep
   e.replica_seconds = median_interval(other.seconds, confidence).estimate;
 
   const std::vector<Picture> apart = differences(accurate.pictures, other.pictures);
-  const double level = mean_of(reference);
-  std::vector<double> shifts;
-  for (const Picture& d : apart) shifts.push_back(level > 0.0 ? mean_of(d) / level : 0.0);
+  const std::vector<double> shifts = relative_shifts(reference, apart);
   e.bias = mean_interval(shifts, confidence);
   const Interval one_sided = mean_interval(shifts, 2.0 * confidence - 1.0);
   e.bias_bound = std::max(std::abs(one_sided.low), std::abs(one_sided.high));
-  const Sums sums(apart);
-  e.squared_bias = jackknife(apart, confidence, [&](const Picture* without) { return squared_bias_of(weights, sums, n, without); });
+  e.squared_bias = squared_bias(weights, reference, apart, confidence);
 
   e.variance = variance_ratio(weights, accurate, other, confidence);
   e.replica_variance = std::max(0.0, variance_of(weights, around_first(other.pictures), n, nullptr));

@@ -1,6 +1,6 @@
 // Speed, bias and variance of one set of choices against another, from replicas that used the same random numbers: docs/tune.md derives
-// each. Relative squares are those of stopping.h: mean over the pixels of |x|^2 w, w = 1/(|mu|^2 + 0.01 |m|^2), with mu a reference picture
-// and m its mean colour. The reference has random numbers of its own: with weights from the accurate replicas themselves, a bright
+// each. Relative squares are those of stopping.h: mean over the pixels of |x|^2 w, w = 1/(|mu|^2 + 0.01 |m|^2), with mu the mean of the
+// reference's replicas and m its mean colour. The reference has random numbers of its own: with weights from the accurate replicas themselves, a bright
 // sample would count less in their variance than in that of others.
 #pragma once
 
@@ -28,9 +28,9 @@ struct Estimates {
 // and the bound (Bonferroni). At most 1 - 1e-12.
 double confidence_of_each(double together, std::size_t settings);
 
-// Both have as many replicas, at least 2, of as many pixels. Intervals hold with `confidence` each. The speed is of replicas that were
-// rendered in turn.
-Estimates estimate(const Picture& reference, const Replicas& accurate, const Replicas& other, double confidence);
+// All three have as many replicas, at least 2, of as many pixels. Intervals hold with `confidence` each, those of the bias with the noise of
+// the reference in them. The speed is of replicas that were rendered in turn.
+Estimates estimate(const std::vector<Picture>& reference, const Replicas& accurate, const Replicas& other, double confidence);
 
 // Seconds until the relative error is `error`: noise and bias together. Nothing if the bias alone is as large.
 std::optional<double> seconds_to_error(double error, double squared_bias, double replica_variance, double replica_seconds);

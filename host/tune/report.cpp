@@ -56,24 +56,30 @@ void write_table(const Result& result, std::ostream& out) {
          "</tbody></table></div>\n";
 }
 
-// Time to the same noise, which biased settings have too, and the bias that stays.
+// Of settings whose bias is below the error, if only just; the others never get there.
 std::string pareto_plot(const Result& result) {
   constexpr double floor = 1e-4;  // relative bias that is drawn as none
-  Plot plot("time to the same noise, over that of the accurate setting", "root mean square of the relative bias");
+  Plot plot("time to the error, over that of the accurate setting", "root mean square of the relative bias");
   plot.note_y(floor, "none");
   plot.add_point({1.0, floor, "accurate", colors[0], true});
   for (const Row& row : result.rows) {
-    const Estimates& e = row.estimates;
-    const double time = (e.same ? 1.0 : e.variance.estimate) / e.speed.estimate;
-    const double bias = is_biased(row) ? std::max(floor, root(e.squared_bias.estimate)) : floor;
+    const double time = 1.0 / row.gain.estimate;
+    const double bias = is_biased(row) ? std::max(floor, root(row.estimates.squared_bias.estimate)) : floor;
     if (std::isfinite(time) && time > 0.0) plot.add_point({time, bias, row.name, colors[is_biased(row) ? 1 : 2], row.on_front});
   }
   plot.add_level(result.request.error, "the error that the renders are for");
   return plot.svg();
 }
 
+std::string never_there(const Result& result) {
+  std::string names;
+  for (const Row& row : result.rows)
+    if (!row.seconds) names += (names.empty() ? "" : ", ") + escaped(row.name);
+  return names.empty() ? "" : "<p><small>Never there, since their bias alone is as large as the error: " + names + ".</small></p>\n";
+}
+
 std::string convergence_plot(const Result& result) {
-  Plot plot("processor seconds", "relative error");
+  Plot plot("seconds of rendering", "relative error");
   const auto curve = [&](const std::string& name, const std::vector<CurvePoint>& points, const char* color) {
     std::vector<std::pair<double, double>> line;
     for (const CurvePoint& point : points) line.emplace_back(point.seconds, point.error);
@@ -134,7 +140,7 @@ std::string report_of(const Result& result) {
     out << "</body>\n</html>\n";
     return out.str();
   }
-  out << "<h2>Time and bias</h2>\n<div class=\"wide\">\n" << pareto_plot(result) << "</div>\n<h2>Error against time</h2>\n<div class=\"wide\">\n"
+  out << "<h2>Time and bias</h2>\n<div class=\"wide\">\n" << pareto_plot(result) << "</div>\n" << never_there(result) << "<h2>Error against time</h2>\n<div class=\"wide\">\n"
       << convergence_plot(result) << "</div>\n";
   out << "<h2>Pictures</h2>\n<p><small>Of the settings that change the mean: what they add to the accurate picture and take from it. What "
          "is no bias in them is noise that both did not share.</small></p>\n<div class=\"pictures\">\n"

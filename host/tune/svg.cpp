@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "../error.h"
 
 namespace oclair::tune {
 namespace {
@@ -54,7 +57,8 @@ std::string segment(double x1, double y1, double x2, double y2, const char* look
 
 std::string escaped(const std::string& text) {
   std::string safe;
-  for (const char c : text) {
+  using Json = nlohmann::json;
+  for (const char c : Json::parse(Json(one_line(text)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>()) {
     if (c == '&') safe += "&amp;";
     else if (c == '<') safe += "&lt;";
     else if (c == '>') safe += "&gt;";

@@ -8,7 +8,7 @@
 
 namespace oclair::tune {
 
-// For text and attributes of HTML and SVG.
+// For text and attributes of HTML and SVG. What is no UTF-8 or no printable character is replaced.
 std::string escaped(const std::string& text);
 
 // RFC 4648, section 4.

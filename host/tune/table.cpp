@@ -6,6 +6,8 @@
 #include <iomanip>
 #include <nlohmann/json.hpp>
 
+#include "../error.h"
+
 namespace oclair::tune {
 namespace {
 
@@ -71,15 +73,16 @@ std::string number(double value, int digits) {
 
 std::string bias_text(const Row& row) {
   const Estimates& e = row.estimates;
-  if (e.same) return "none: the same bits";
+  if (e.same) return row.effect == Effect::bias ? "none seen: the same bits" : "none: the same bits";
   std::string text = percent(e.bias.low) + " to " + percent(e.bias.high);
   if (e.bias.contains(0.0)) text += ", below " + formatted("%.*f %%", 2, 100.0 * e.bias_bound);
-  if (row.effect != Effect::bias) text += ", none by construction";
+  if (row.effect == Effect::none) return text + "; EXPECTED THE SAME BITS";
+  if (row.effect == Effect::noise) text += e.bias.contains(0.0) ? ", none by construction" : "; EXPECTED NONE";
   return text;
 }
 
 void print_table(const Result& result, std::ostream& out) {
-  out << result.scene << ", " << result.width << "x" << result.height << " pixels, " << result.request.replicas << " replicas of "
+  out << one_line(result.scene) << ", " << result.width << "x" << result.height << " pixels, " << result.request.replicas << " replicas of "
       << REPLICA_SAMPLES << " samples; to a relative error of " << number(result.request.error) << "; all intervals together hold with "
       << number(100.0 * result.request.confidence) << " %\n\n";
   std::size_t width = 10;
@@ -108,7 +111,8 @@ void print_table(const Result& result, std::ostream& out) {
 
 std::string advice(const Result& result) {
   if (!result.recommended)
-    return "recommended: the accurate setting; nothing is surely sooner at an error of " + number(result.request.error);
+    return std::string("recommended: the accurate setting; nothing ") + (result.not_measured.empty() ? "" : "of what was measured ") +
+           "is surely sooner at an error of " + number(result.request.error);
   const Row& row = result.rows[*result.recommended];
   return "recommended: " + row.name + ", " + number(row.gain.estimate) + " times as soon at an error of " + number(result.request.error) +
          " (at least " + number(row.gain.low) + " times), bias " + bias_text(row);
@@ -119,7 +123,7 @@ std::string json_of(const Result& result) {
   Json json = {{"program", "oclair " OCLAIR_VERSION}, {"scene", result.scene},      {"sceneHash", result.scene_hash},
                {"device", result.device},             {"driver", result.driver},    {"width", result.width},
                {"height", result.height},             {"replicas", request.replicas}, {"samplesOfReplica", REPLICA_SAMPLES},
-               {"error", request.error},              {"confidence", request.confidence}, {"interrupted", result.interrupted},
+               {"error", request.error},              {"confidence", request.confidence}, {"rejectedSamples", result.rejected}, {"interrupted", result.interrupted},
                {"seconds", result.wall_seconds}};
   json["accurate"] = {{"replicaVariance", result.replica_variance},
                       {"replicaSeconds", result.replica_seconds},
@@ -147,6 +151,7 @@ SettingsFile settings_of(const Result& result) {
   say("biasBound", e.bias_bound);
   say("rootMeanSquareBias", row.effect == Effect::bias ? root(e.squared_bias.estimate) : 0.0);
   say("confidence", result.request.confidence);
+  say("error", result.request.error);
   say("speed", e.speed.estimate);
   say("variance", e.variance.estimate);
   say("timeToEqualError", 1.0 / row.gain.estimate);

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <memory>
 
+#include "../error.h"
+#include "../film.h"
+#include "../film_plan.h"
 #include "../render.h"
 #include "../scene_hash.h"
 #include "../schedule.h"
@@ -61,6 +65,17 @@ glm::uvec2 scaled(glm::uvec2 full, double share) {
   return {side(full.x), side(full.y)};
 }
 
+// Bytes of the host's memory for a pixel: replicas of the reference, of both settings and of their differences, levels of the first of
+// them, a difference for each row, sums in double, and the films of both.
+double bytes_of_pixel(unsigned replicas) {
+  constexpr double most_rows = 24.0, sums = 8.0;
+  const double leveled = static_cast<double>(std::min<std::size_t>(replicas, leveled_replicas));
+  const double pictures = 4.0 * replicas + 3.0 * (level_count - 1) * leveled + most_rows;
+  return pictures * 3.0 * sizeof(float) + sums * 3.0 * sizeof(double) + 4.0 * (sizeof(FilmPixel) + sizeof(FilmErrors));
+}
+
+std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(std::ceil(bytes / 0x1p20))) + " MiB"; }
+
 double pixels_of(glm::uvec2 film) { return static_cast<double>(film.x) * film.y; }
 
 bool has_crop_window(const Settings& film) { return film.crop_width != film.film_width || film.crop_height != film.film_height; }
@@ -89,6 +104,7 @@ class Tuner {
     result_.interval_confidence = confidence_;
     for (const Choices& chosen : wanted) measure(chosen);
     if (const auto best = best_of_each(); best) measure(*best, true);
+    if (result_.rows.empty() && !result_.interrupted) fail_for_time(pair_seconds_);
     finish();
     return std::move(result_);
   }
@@ -98,6 +114,7 @@ class Tuner {
 
   void place(std::optional<glm::uvec2> size) {
     World world = read_scene(request_.scene, request_.definitions, {size, {}});
+    if (result_.scene_hash.empty()) request_.inspect(world);
     result_.scene_hash = scene_hash(world, request_.definitions);
     scene_ = place_scene(std::move(world));
     result_.width = scene_.settings.crop_width;
@@ -107,10 +124,16 @@ class Tuner {
   // So large that the budget is used, as far as a pilot can tell. A scene with a crop window has the size that it says.
   void choose_size() {
     place(request_.size);
-    if (request_.size || has_crop_window(scene_.settings)) return;
-    tell_(0, 0, "the size of the pictures");
     const glm::uvec2 full{result_.width, result_.height};
-    const double pixels = pixels_of(full);
+    const double pixels = pixels_of(full), most_bytes = static_cast<double>(default_film_memory());
+    const double share_that_fits = most_bytes / (bytes_of_pixel(request_.replicas) * pixels);
+    if (request_.size || has_crop_window(scene_.settings)) {
+      if (share_that_fits >= 1.0) return;
+      throw Error(Exit::device, "memory: " + std::to_string(request_.replicas) + " replicas of " + std::to_string(full.x) + "x" +
+                                    std::to_string(full.y) + " pixels take " + mib(most_bytes / share_that_fits) + ", expected at most " +
+                                    mib(most_bytes) + ", half of what there is; fewer --replicas or a smaller --size");
+    }
+    tell_(0, 0, "the size of the pictures");
     const glm::uvec2 small = scaled(full, 4096.0 / pixels);
     if (small != full) place(small);
     const double compiling = steady_seconds();
@@ -123,7 +146,7 @@ class Tuner {
     const std::size_t wanted = candidates(scene_, device_.bvh_width, mean_of(pilot.replicas.pictures[0])).size() + 1;
     const double left = 0.8 * (request_.budget - elapsed() - kernel_seconds * static_cast<double>(std::min(wanted, most_kernels)));
     const double replica = std::max(left, 1.0) / (2.0 * request_.replicas * static_cast<double>(wanted));
-    const glm::uvec2 size = scaled(full, replica / seconds_of_pixel / pixels);
+    const glm::uvec2 size = scaled(full, std::min(replica / seconds_of_pixel / pixels, share_that_fits));
     if (size != small) place(size);
   }
 
@@ -131,13 +154,27 @@ class Tuner {
     tell_(0, 0, "accurate");
     accurate_ = std::make_unique<Contender>(device_, scene_, Choices{});
     accurate_->warm_up();
-    for (unsigned k = 0; k < request_.replicas && !stop_requested(); ++k) add_replica(accurate_->renderer, reference_);
+    const double begun = steady_seconds();
+    for (unsigned k = 0; k < request_.replicas && !stop_requested(); ++k) {
+      add_replica(accurate_->renderer, reference_);
+      pair_seconds_ = 2.0 * request_.replicas * (steady_seconds() - begun) / (k + 1);
+      if (begun - started_ + 1.5 * pair_seconds_ > request_.budget) fail_for_time(1.5 * pair_seconds_);
+    }
     if (reference_.pictures.empty()) throw Error(Exit::stopped, "stopped by a signal before the first picture: nothing is measured");
     result_.picture = mean_picture(reference_.pictures);
   }
 
+  // Seconds that are still needed for one setting.
+  [[noreturn]] void fail_for_time(double needed) const {
+    char enough[32];
+    std::snprintf(enough, sizeof enough, "%.0fs", std::ceil(1.2 * (elapsed() + needed) + 1.0));
+    throw Error(Exit::stopped, "the budget is too short to measure one setting: expected --budget " + std::string(enough) +
+                                   " or more for the first of them, a smaller --size or fewer --replicas");
+  }
+
   void measure(const Choices& chosen, bool combination = false) {
     const std::string name = text_of(chosen);
+    result_.interrupted = result_.interrupted || stop_requested();
     if (result_.interrupted || elapsed() + pair_seconds_ > request_.budget) {
       result_.not_measured.push_back(name);
       return;
@@ -167,13 +204,13 @@ class Tuner {
     row.choices = chosen;
     row.combination = combination;
     row.effect = effect_of(chosen);
-    row.estimates = estimate(result_.picture, mine, other.replicas, confidence_);
+    row.estimates = estimate(reference_.pictures, mine, other.replicas, confidence_);
     row.curve = convergence(reference_, other.replicas);
     row.difference = mean_picture(other.replicas.pictures);
     const Picture mean = mean_picture(mine.pictures);
     for (std::size_t i = 0; i < mean.size(); ++i) row.difference[i] -= mean[i];
     if (result_.rows.empty()) {
-      const Estimates own = estimate(result_.picture, mine, mine, confidence_);
+      const Estimates own = estimate(reference_.pictures, mine, mine, confidence_);
       result_.replica_variance = own.replica_variance;
       result_.replica_seconds = own.replica_seconds;
       result_.curve = convergence(reference_, mine);
@@ -200,6 +237,7 @@ class Tuner {
     result_.seconds =
         seconds_to_error(request_.error, 0.0, result_.replica_variance, result_.replica_seconds).value_or(0.0);
     rank(result_);
+    result_.rejected = rejected_samples(read_film(accurate_->renderer));
     result_.wall_seconds = elapsed();
   }
 
@@ -232,7 +270,13 @@ void judge(Row& row, double error) {
   row.gain = {gain(e.speed.estimate, variance.estimate, bias.estimate), gain(e.speed.low, variance.high, bias.high),
               gain(e.speed.high, variance.low, bias.low)};
   row.seconds = seconds_to_error(error, bias.estimate, e.replica_variance, e.replica_seconds);
-  row.accurate_enough = unbiased || (bias.high < error * error && e.bias_bound < error);
+  // What cannot happen has happened if an option without a bias shows one, or one without an effect other bits: then nothing is sure.
+  // That an option which can have a bias has changed no sample bounds nothing.
+  switch (row.effect) {
+    case Effect::none: row.accurate_enough = e.same; break;
+    case Effect::noise: row.accurate_enough = e.same || e.bias.contains(0.0); break;
+    case Effect::bias: row.accurate_enough = !e.same && bias.high < error * error && e.bias_bound < error; break;
+  }
 }
 
 void rank(Result& result) {

@@ -23,6 +23,7 @@ struct Request {
   double confidence = 0.95; // with which all intervals hold together
   std::optional<glm::uvec2> size;
   unsigned replicas = 16;   // of each setting; at least 4
+  std::function<void(const World&)> inspect = [](const World&) {};  // called with the scene before its first picture; what it throws ends all
 };
 
 struct Row {
@@ -49,6 +50,7 @@ struct Result {
   std::vector<Row> rows;          // by gain, the largest first
   std::vector<std::string> not_measured;  // names of those for which there was no time
   std::optional<std::size_t> recommended; // row; nothing: the accurate setting
+  std::uint64_t rejected = 0;             // samples of the accurate pictures, as in an image's header
   bool interrupted = false;
   double interval_confidence = 0.0;       // of each interval, so that all hold together as asked for
   double wall_seconds = 0.0;
@@ -57,7 +59,8 @@ struct Result {
 // Told before each setting: how many of how many are done, and which comes.
 using Tell = std::function<void(std::size_t done, std::size_t of, const std::string& name)>;
 
-// Throws Error as reading and rendering do.
+// Throws Error as reading and rendering do, Error(Exit::device) if the pictures take more than half of the host's memory, and
+// Error(Exit::stopped) if the budget is too short to measure one setting or a signal came before the first picture.
 Result tune(const Request& request, const Tell& tell);
 
 // What can be of use to the scene, one option changed at a time. mean: of the picture's values, for clamping.

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "encoders.h"
 #include "files.h"
 #include "program.h"
 #include "temporary_directory.h"
@@ -37,25 +38,27 @@ TEST(compare_image, renders_of_other_seeds_and_numbers_of_samples_are_not_differ
     }
 }
 
-// One lamp out of sight, 10^10 times as bright as what is seen, and nothing of it meets the picture: it sets the scale of the film, so
-// standard errors do not resolve the noise of pixels 10^5 times as bright as that.
+// A lamp that is not seen, facing away, 10^10 times as bright as the wall that is: it sets the scale of the film, so standard errors do
+// not resolve the noise of the wall's gradient.
 TEST(compare_image, noise_far_below_the_brightest_lamp_is_no_difference) {
   const TemporaryDirectory directory;
-  const fs::path hidden = directory / "hidden.xml", a = directory / "a.exr", b = directory / "b.exr";
-  put(hidden, R"(<scene version="3.0.0">
+  const fs::path wall = directory / "wall.xml", a = directory / "a.exr", b = directory / "b.exr";
+  put(directory / "gradient.png", oclair::test::png_bytes(2, 2, PNG_COLOR_TYPE_GRAY, 8, {60, 90, 150, 200}));
+  put(wall, R"(<scene version="3.0.0">
     <integrator type="path"><integer name="max_depth" value="2"/></integrator>
     <sensor type="perspective"><float name="fov" value="30"/>
       <transform name="to_world"><lookat origin="0,0,2" target="0,0,0" up="0,1,0"/></transform>
       <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/></film></sensor>
-    <shape type="rectangle"><bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>
-    <emitter type="point"><point name="position" x="0.3" y="0.2" z="2"/><rgb name="intensity" value="4"/></emitter>
+    <shape type="rectangle"><bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
+      <emitter type="area"><texture type="bitmap" name="radiance"><string name="filename" value="gradient.png"/></texture></emitter></shape>
     <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><translate z="-1"/></transform>
       <emitter type="area"><rgb name="radiance" value="1e10"/></emitter></shape>
   </scene>)");
-  render(hidden, a, 1, 512, "16x16", "sobol");
-  render(hidden, b, 2, 512, "16x16", "sobol");
-  const ProgramResult result = run_oclair({"compare", a.string(), b.string(), "--alpha", "2e-6"});
+  render(wall, a, 1, 512, "16x16", "sobol");
+  render(wall, b, 2, 512, "16x16", "sobol");
+  const ProgramResult result = run_oclair({"compare", a.string(), b.string(), "--alpha", "2e-6", "--json", "-"});
   EXPECT_EQ(result.exit, 0) << result.out << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out).at("difference").at("mse"), 0.0);
 }
 
 // All light comes from one lamp. `weighted` sees the whole picture, `pixel` those in which the lamp itself is seen, without

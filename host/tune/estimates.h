@@ -1,7 +1,7 @@
 // Speed, bias and variance of one set of choices against another, from replicas that used the same random numbers: docs/tune.md derives
 // each. Relative squares are those of stopping.h: mean over the pixels of |x|^2 w, w = 1/(|mu|^2 + 0.01 |m|^2), with mu the mean of the
-// reference's replicas and m its mean colour. The reference has random numbers of its own: with weights from the accurate replicas themselves, a bright
-// sample would count less in their variance than in that of others.
+// reference's replicas and m its mean colour. The reference has random numbers of its own: with weights from the accurate replicas
+// themselves, a bright sample would count less in their variance than in that of others.
 #pragma once
 
 #include <cstddef>

@@ -140,7 +140,8 @@ std::string report_of(const Result& result) {
     out << "</body>\n</html>\n";
     return out.str();
   }
-  out << "<h2>Time and bias</h2>\n<div class=\"wide\">\n" << pareto_plot(result) << "</div>\n" << never_there(result) << "<h2>Error against time</h2>\n<div class=\"wide\">\n"
+  out << "<h2>Time and bias</h2>\n<div class=\"wide\">\n" << pareto_plot(result) << "</div>\n"
+      << never_there(result) << "<h2>Error against time</h2>\n<div class=\"wide\">\n"
       << convergence_plot(result) << "</div>\n";
   out << "<h2>Pictures</h2>\n<p><small>Of the settings that change the mean: what they add to the accurate picture and take from it. What "
          "is no bias in them is noise that both did not share.</small></p>\n<div class=\"pictures\">\n"

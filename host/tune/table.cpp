@@ -123,7 +123,8 @@ std::string json_of(const Result& result) {
   Json json = {{"program", "oclair " OCLAIR_VERSION}, {"scene", result.scene},      {"sceneHash", result.scene_hash},
                {"device", result.device},             {"driver", result.driver},    {"width", result.width},
                {"height", result.height},             {"replicas", request.replicas}, {"samplesOfReplica", REPLICA_SAMPLES},
-               {"error", request.error},              {"confidence", request.confidence}, {"rejectedSamples", result.rejected}, {"interrupted", result.interrupted},
+               {"error", request.error},              {"confidence", request.confidence}, {"rejectedSamples", result.rejected},
+               {"interrupted", result.interrupted},
                {"seconds", result.wall_seconds}};
   json["accurate"] = {{"replicaVariance", result.replica_variance},
                       {"replicaSeconds", result.replica_seconds},

@@ -13,7 +13,7 @@ enum class Exit : int {
   usage = 2,          // wrong command line
   scene = 3,          // the scene, or a file that it names, is missing or wrong
   device = 4,         // no such device, or a kernel does not compile or run
-  stopped = 5,        // a render ended before its target; what it had is written
+  stopped = 5,        // a render ended before its target, what it had is written; or tune measured nothing, or not all
   check_failed = 7,   // a self-test has failed, or images that were compared differ significantly
 };
 

@@ -65,6 +65,8 @@ void check_header(std::string_view bytes) {
   header.readFrom(stream, version);
   if (Imf::isNonImage(version) || (header.hasType() && !Imf::isImage(header.type())))
     throw TextureFileError("OpenEXR: deep pixels are not supported (supported: flat images)");
+  if (!Imf::isMultiPart(version))  // as OpenEXR does, whatever the header says
+    header.setType(Imf::isTiled(version) ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
   const auto& window = header.dataWindow();
   check_size(static_cast<ulong>(std::max(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{0})),
              static_cast<ulong>(std::max(std::int64_t{window.max.y} - window.min.y + 1, std::int64_t{0})));

@@ -2,6 +2,7 @@
 
 #include <ImfChannelList.h>
 #include <ImfCompression.h>
+#include <ImfPartType.h>
 #include <ImfTileDescription.h>
 #include <ImfVersion.h>
 #include <ImfXdr.h>
@@ -144,14 +145,16 @@ void check_exr_headers(Imf::IStream& stream, std::uint64_t size) {
 void check_exr_size(const Imf::Header& header, std::uint64_t size) {
   const Imath::Box2i window = header.dataWindow();
   const std::uint64_t width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
-  std::uint64_t channels = 0;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++channels;
+  std::uint64_t channels = 0, stored = 0;  // bytes of a pixel
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    ++channels;
+    stored += channel.channel().type == Imf::HALF ? 2 : 4;
+  }
   const std::uint64_t pixel = 4 * std::max<std::uint64_t>(channels, 1);
   require_at_most("a row of pixels", width > MAX_EXR_ROW ? width : width * pixel, MAX_EXR_ROW);
-  if (!header.hasTileDescription()) {
-    require_at_most("a chunk of rows", std::min(rows_of_chunk(header.compression()), height) * width * pixel, MAX_CHUNK);
-    return;
-  }
+  if (header.type() == Imf::SCANLINEIMAGE)  // whose header may have tiles as well, which OpenEXR does not look at
+    require_at_most("a chunk of rows", std::min(rows_of_chunk(header.compression()), height) * width * stored, MAX_CHUNK);
+  if (header.type() != Imf::TILEDIMAGE || !header.hasTileDescription()) return;
   const Imf::TileDescription tiles = header.tileDescription();
   const std::uint64_t columns = std::max<std::uint64_t>(width, tiles.xSize);
   require_at_most("a row of tiles",

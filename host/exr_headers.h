@@ -16,8 +16,8 @@ inline constexpr std::uint64_t MAX_EXR_ROW = std::uint64_t{1} << 24;  // bytes o
 void check_exr_headers(Imf::IStream& stream, std::uint64_t size);
 
 // Before anything is allocated for the pixels of a part: its rows of pixels, chunks of rows and rows of tiles are no larger than
-// OpenEXR may take memory for, and the file, of `size` bytes, can hold where its tiles begin. Its data window is not empty.
-// Throws std::runtime_error.
+// OpenEXR may take memory for, and the file, of `size` bytes, can hold where its tiles begin. Its data window is not empty,
+// and its type is told. Throws std::runtime_error.
 void check_exr_size(const Imf::Header& header, std::uint64_t size);
 
 }  // namespace oclair

@@ -124,8 +124,9 @@ class Entries : public nlohmann::json_sax<Json> {
 std::string read_text(const fs::path& file) {
   constexpr std::size_t most = 1 << 20;  // bytes
   std::error_code ignored;
-  std::ifstream stream;
-  if (fs::is_regular_file(file, ignored)) stream.open(file, std::ios::binary);  // a pipe would wait for its writer
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a pipe would wait for its writer
+    throw Error(Exit::scene, file.string() + ": is no regular file, expected a settings file of oclair tune");
+  std::ifstream stream(file, std::ios::binary);
   std::string text(most + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad())

@@ -1,6 +1,7 @@
 // tests/data/fuzz: files that have crashed a reader, kept it busy or made it take memory, most of them found by the fuzz targets
 // (fuzz/). Each lies in the directory of its reader, its name says what it does.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -33,19 +34,37 @@ std::vector<Found> found() {
   return result;
 }
 
-// The most that was in use since the last call of forget_peak, KiB. As "VmHWM" of the system's status file.
-long peak_memory() {
+// KiB, of a line of the system's status file.
+long status(const std::string& name) {
   std::istringstream lines(content("/proc/self/status"));
   for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
+    if (line.starts_with(name + ":")) return std::stol(line.substr(name.size() + 1));
   return 0;
 }
+
+long peak_memory() { return status("VmHWM"); }  // that was in use since the last call of forget_peak
 
 void forget_peak() {
   std::ofstream file("/proc/self/clear_refs");
   file << "5";
   EXPECT_TRUE(file.flush().good());
 }
+
+// While it lives there are so many KiB of memory to be asked for beside what there is, touched or not.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(long more) {
+    getrlimit(RLIMIT_AS, &before_);
+    const rlimit limit{static_cast<rlim_t>(status("VmSize") + more) * 1024, before_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+  ~MemoryLimit() { setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_{};
+};
 
 class fuzz_test : public testing::TestWithParam<Found> {};
 
@@ -58,7 +77,11 @@ TEST_P(fuzz_test, is_taken_or_refused_on_one_line_in_little_memory) {
   const long before = peak_memory();
   ASSERT_LT(before, earlier - 60 * 1024);
   std::string refusal;
-  ASSERT_NO_THROW(refusal = GetParam().reader.read(bytes));
+  {
+    const MemoryLimit limit(256 * 1024);
+    ASSERT_NO_THROW(refusal = GetParam().reader.read(bytes));
+  }
+  EXPECT_EQ(refusal.find("alloc"), std::string::npos) << refusal;
   EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
   EXPECT_LT(peak_memory() - before, 128 * 1024) << refusal;
 }

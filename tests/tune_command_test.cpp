@@ -129,6 +129,9 @@ TEST(tune_command_test, options_beside_a_settings_file_leave_its_measures_out) {
   const auto [quiet, measured] = render({"--max-depth", "8"});  // as the file has it
   EXPECT_EQ(quiet.find("the options of the command line"), std::string::npos) << quiet;
   EXPECT_EQ(measured.find("max-depth=8 bias=-0.001 biasBound=0.002 of "), 0u) << measured;
+  const auto [same_samples, still_measured] = render({"--kernels", "exact"});
+  EXPECT_EQ(same_samples.find("the options of the command line"), std::string::npos) << same_samples;
+  EXPECT_EQ(still_measured.find("max-depth=8 bias=-0.001 "), 0u) << still_measured;
   const auto [warned, changed] = render({"--max-depth", "1"});
   EXPECT_NE(warned.find(said), std::string::npos) << warned;
   EXPECT_EQ(changed.find("max-depth=8 changed to max-depth=1 of "), 0u) << changed;

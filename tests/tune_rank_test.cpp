@@ -67,7 +67,7 @@ TEST(tune_rank_test, gain_is_between_those_of_the_ends_of_its_intervals) {
   constexpr double error = 0.03;
   for (int i = 0; i < 500; ++i) {
     Row row = random_row(random);
-    row.estimates.same = false;
+    if (row.effect == Effect::none) continue;
     judge(row, error);
     const Estimates& e = row.estimates;
     for (const double speed : {e.speed.low, e.speed.high})
@@ -119,6 +119,38 @@ TEST(tune_rank_test, what_should_have_no_effect_and_shows_one_is_not_accurate_en
   EXPECT_FALSE(enough(Effect::noise, false, darker));
   // The samples seen do not bound what others may lose.
   EXPECT_FALSE(enough(Effect::bias, true, none));
+}
+
+// And it is worth no more than what owns up to as much bias.
+TEST(tune_rank_test, a_bias_that_should_not_be_there_counts_as_one) {
+  Result result;
+  result.request.error = 0.05;
+  for (const Effect effect : {Effect::bias, Effect::noise, Effect::none}) {
+    Row row;
+    row.effect = effect;
+    row.estimates.speed = {3, 2.9, 3.1};
+    row.estimates.variance = {1, 0.9, 1.1};
+    row.estimates.bias = {-0.03, -0.031, -0.029};
+    row.estimates.squared_bias = {1e-3, 0.9e-3, 1.1e-3};
+    row.estimates.bias_bound = 0.031;
+    row.estimates.replica_variance = 0.04;
+    row.estimates.replica_seconds = 1.0;
+    judge(row, result.request.error);
+    EXPECT_NEAR(row.gain.estimate, 3.0 * (1.0 - 1e-3 / 0.0025), 1e-12);
+    EXPECT_EQ(row.accurate_enough, effect == Effect::bias);
+    result.rows.push_back(row);
+  }
+  Row honest;  // slower, without a bias
+  honest.effect = Effect::noise;
+  honest.estimates.speed = {1.5, 1.4, 1.6};
+  honest.estimates.variance = {1, 0.99, 1.01};
+  honest.estimates.replica_variance = 0.04;
+  honest.estimates.replica_seconds = 2.0;
+  judge(honest, result.request.error);
+  result.rows.push_back(honest);
+  rank(result);
+  for (const Row& row : result.rows) EXPECT_TRUE(row.on_front) << static_cast<int>(row.effect);
+  EXPECT_EQ(result.rows.at(result.recommended.value()).effect, Effect::bias);
 }
 
 // A setting may have no noise at all where the accurate one has some (a path cut short in a uniform room), and the reverse.

@@ -177,8 +177,8 @@ TEST(tune_statistics, intervals_of_the_squared_bias_cover_the_truth) {
       }
 }
 
-// A loss that is the same share of every sample: the differences have hardly any noise beside that of what they are divided by, the
-// reference, whose 16 replicas know its level to 5 % / 4. Intervals that took it as exact miss three times as often (0.153 at 0.95).
+// A loss that is the same share of every sample: what the differences are divided by, the reference, has as much noise as they. Intervals
+// that took it as exact would be too narrow by the root of 2 and miss three times as often (0.153 at 0.95: Student's t of 15 degrees).
 TEST(tune_statistics, bias_intervals_count_the_noise_of_the_reference) {
   constexpr int runs = 1000, comparisons = 6;
   const Synthetic world{1, gaussian, 0.05 * std::sqrt(3.0), 0.0};  // three channels: 5 % of noise in the mean

@@ -153,8 +153,12 @@ std::string light_warning(const Settings& settings) {
          "expected more light";
 }
 
-// What was measured holds for the choices of the settings file together, and for no others.
-bool has_been_measured(const SettingsFile& settings, const Choices& chosen) { return text_of(chosen) == text_of(settings.choices); }
+// What was measured holds for the choices of the settings file together: for no others that change the samples.
+bool has_been_measured(const SettingsFile& settings, const Choices& chosen) {
+  return std::all_of(choices().begin(), choices().end(), [&](const Choice& choice) {
+    return choice.effect == Effect::none || choice.get(chosen) == choice.get(settings.choices);
+  });
+}
 
 // For the image's header: the choices of a settings file, with what was measured of them if nothing else was chosen.
 std::string settings_text(const SettingsFile& settings, const Choices& chosen) {

@@ -34,8 +34,6 @@ figure img { width: 100%; image-rendering: pixelated; border: 1px solid #ccc; }
 
 double root(double square) { return std::sqrt(std::max(0.0, square)); }
 
-bool is_biased(const Row& row) { return row.effect == Effect::bias && !row.estimates.same; }
-
 std::string interval(const Interval& i) {
   return number(i.estimate) + " <small>" + number(i.low) + " to " + number(i.high) + "</small>";
 }
@@ -49,7 +47,7 @@ void write_table(const Result& result, std::ostream& out) {
     out << "<tr" << (result.recommended == i ? " class=\"best\"" : "") << "><td>" << escaped(row.name) << (row.on_front ? " *" : "")
         << "</td><td class=\"n\">" << interval(row.gain) << "</td><td class=\"n\">" << interval(e.speed) << "</td><td class=\"n\">"
         << (e.same ? "1" : interval(e.variance)) << "</td><td class=\"n\">"
-        << (is_biased(row) ? percent(root(e.squared_bias.estimate)).substr(1) : "0") << "</td><td>" << escaped(bias_text(row))
+        << (has_bias(row) ? percent(root(e.squared_bias.estimate)).substr(1) : "0") << "</td><td>" << escaped(bias_text(row))
         << "</td></tr>\n";
   }
   out << "<tr><td>accurate</td><td class=\"n\">1</td><td class=\"n\">1</td><td class=\"n\">1</td><td class=\"n\">0</td><td>0</td></tr>\n"
@@ -64,8 +62,8 @@ std::string pareto_plot(const Result& result) {
   plot.add_point({1.0, floor, "accurate", colors[0], true});
   for (const Row& row : result.rows) {
     const double time = 1.0 / row.gain.estimate;
-    const double bias = is_biased(row) ? std::max(floor, root(row.estimates.squared_bias.estimate)) : floor;
-    if (std::isfinite(time) && time > 0.0) plot.add_point({time, bias, row.name, colors[is_biased(row) ? 1 : 2], row.on_front});
+    const double bias = has_bias(row) ? std::max(floor, root(row.estimates.squared_bias.estimate)) : floor;
+    if (std::isfinite(time) && time > 0.0) plot.add_point({time, bias, row.name, colors[has_bias(row) ? 1 : 2], row.on_front});
   }
   plot.add_level(result.request.error, "the error that the renders are for");
   return plot.svg();
@@ -90,7 +88,7 @@ std::string convergence_plot(const Result& result) {
   std::size_t drawn = 0;
   for (const bool biased : {true, false})  // those first whose error does not go on falling
     for (const Row& row : result.rows)
-      if (!row.estimates.same && is_biased(row) == biased && drawn < colors.size()) curve(row.name, row.curve, colors[drawn++]);
+      if (!row.estimates.same && has_bias(row) == biased && drawn < colors.size()) curve(row.name, row.curve, colors[drawn++]);
   plot.add_level(result.request.error, "the error that the renders are for");
   return plot.svg();
 }
@@ -147,7 +145,7 @@ std::string report_of(const Result& result) {
          "is no bias in them is noise that both did not share.</small></p>\n<div class=\"pictures\">\n"
       << figure(picture(result), "accurate");
   for (const Row& row : result.rows)
-    if (is_biased(row)) out << difference(result, row);
+    if (has_bias(row)) out << difference(result, row);
   out << "</div>\n<p><small>" << escaped("oclair " OCLAIR_VERSION) << ", scene " << escaped(result.scene_hash) << "</small></p>\n</body>\n</html>\n";
   return out.str();
 }

@@ -96,9 +96,8 @@ void print_table(const Result& result, std::ostream& out) {
   for (std::size_t i = 0; i < result.rows.size(); ++i) {
     const Row& row = result.rows[i];
     const Estimates& e = row.estimates;
-    const bool biased = row.effect == Effect::bias && !e.same;
     line(result.recommended == i ? ">" : row.on_front ? "*" : "", row.name, interval(row.gain), interval(e.speed),
-         e.same ? "1" : interval(e.variance), biased ? formatted("%.*f %%", 2, 100.0 * root(e.squared_bias.estimate)) : "0",
+         e.same ? "1" : interval(e.variance), has_bias(row) ? formatted("%.*f %%", 2, 100.0 * root(e.squared_bias.estimate)) : "0",
          bias_text(row));
   }
   line("", "accurate", "1", "1", "1", "0", "0");
@@ -150,7 +149,7 @@ SettingsFile settings_of(const Result& result) {
   const auto say = [&](const char* name, double value) { file.measured.emplace_back(name, formatted("%.*g", 6, value)); };
   say("bias", e.bias.estimate);
   say("biasBound", e.bias_bound);
-  say("rootMeanSquareBias", row.effect == Effect::bias ? root(e.squared_bias.estimate) : 0.0);
+  say("rootMeanSquareBias", has_bias(row) ? root(e.squared_bias.estimate) : 0.0);
   say("confidence", result.request.confidence);
   say("error", result.request.error);
   say("speed", e.speed.estimate);

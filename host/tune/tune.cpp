@@ -155,11 +155,15 @@ class Tuner {
     accurate_ = std::make_unique<Contender>(device_, scene_, Choices{});
     accurate_->warm_up();
     const double begun = steady_seconds();
+    double least = std::numeric_limits<double>::infinity();  // seconds of a replica: a stall of the machine is not their price
     for (unsigned k = 0; k < request_.replicas && !stop_requested(); ++k) {
+      const double before = steady_seconds();
       add_replica(accurate_->renderer, reference_);
-      pair_seconds_ = 2.0 * request_.replicas * (steady_seconds() - begun) / (k + 1);
-      if (begun - started_ + 1.5 * pair_seconds_ > request_.budget) fail_for_time(1.5 * pair_seconds_);
+      least = std::min(least, steady_seconds() - before);
+      const double needed = least * (3.0 * request_.replicas - (k + 1));  // for the rest of these, and for a pair
+      if (k + 1 >= std::min<std::size_t>(request_.replicas, leveled_replicas + 1) && elapsed() + needed > request_.budget) fail_for_time(needed);
     }
+    pair_seconds_ = 2.0 * (steady_seconds() - begun);
     if (reference_.pictures.empty()) throw Error(Exit::stopped, "stopped by a signal before the first picture: nothing is measured");
     result_.picture = mean_picture(reference_.pictures);
   }
@@ -257,10 +261,13 @@ class Tuner {
 
 Result tune(const Request& request, const Tell& tell) { return Tuner(request, tell).run(); }
 
+bool has_bias(const Row& row) {
+  return !row.estimates.same && (row.effect != Effect::noise || !row.estimates.bias.contains(0.0));
+}
+
 void judge(Row& row, double error) {
   const Estimates& e = row.estimates;
-  const bool unbiased = row.effect != Effect::bias || e.same;
-  const Interval bias = unbiased ? Interval{0.0, 0.0, 0.0} : e.squared_bias;
+  const Interval bias = has_bias(row) ? e.squared_bias : Interval{0.0, 0.0, 0.0};
   const Interval variance = e.same ? Interval{1.0, 1.0, 1.0} : e.variance;
   // Nothing is gained where the bias alone is as large as the error, be there noise or none.
   const auto gain = [&](double speed, double variance_ratio, double squared_bias) {
@@ -273,8 +280,8 @@ void judge(Row& row, double error) {
   // What cannot happen has happened if an option without a bias shows one, or one without an effect other bits: then nothing is sure.
   // That an option which can have a bias has changed no sample bounds nothing.
   switch (row.effect) {
-    case Effect::none: row.accurate_enough = e.same; break;
-    case Effect::noise: row.accurate_enough = e.same || e.bias.contains(0.0); break;
+    case Effect::none:
+    case Effect::noise: row.accurate_enough = !has_bias(row); break;
     case Effect::bias: row.accurate_enough = !e.same && bias.high < error * error && e.bias_bound < error; break;
   }
 }
@@ -283,7 +290,7 @@ void rank(Result& result) {
   std::stable_sort(result.rows.begin(), result.rows.end(),
                    [](const Row& a, const Row& b) { return a.gain.estimate > b.gain.estimate; });
   const auto bias_of = [](const Row& row) {
-    return row.effect == Effect::bias && !row.estimates.same ? std::max(0.0, row.estimates.squared_bias.estimate) : 0.0;
+    return has_bias(row) ? std::max(0.0, row.estimates.squared_bias.estimate) : 0.0;
   };
   // The accurate setting, whose gain is 1 and whose bias is 0, is a point of the plot as well.
   for (Row& row : result.rows) {

@@ -66,6 +66,9 @@ Result tune(const Request& request, const Tell& tell);
 // What can be of use to the scene, one option changed at a time. mean: of the picture's values, for clamping.
 std::vector<Choices> candidates(const Scene& scene, int bvh_width, double mean);
 
+// Whether the setting changes what pictures tend to: because it can and changes samples, or because it should not and is seen to.
+bool has_bias(const Row& row);
+
 // Figures of a row that follow from its estimates: gain, seconds, accurate_enough.
 void judge(Row& row, double error);
 

@@ -23,6 +23,8 @@ bool shares_memory(const Device& device) { return device.device.getInfo<CL_DEVIC
 
 }  // namespace
 
+std::string mib(std::size_t bytes) { return std::to_string((bytes + 0xfffff) >> 20) + " MiB"; }
+
 std::size_t default_film_memory() { return host_memory() / 2; }
 
 FilmPlan plan_film(const Device& device, const Scene& scene, const std::vector<BufferPlan>& plan, const FilmLimits& limits) {
@@ -49,7 +51,6 @@ FilmPlan plan_film(const Device& device, const Scene& scene, const std::vector<B
 void check_memory(const Device& device, const std::vector<BufferPlan>& plan, const FilmPlan& film) {
   const std::size_t largest_allowed = device.device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
   const std::size_t all_allowed = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
-  const auto mib = [](std::size_t bytes) { return std::to_string((bytes + 0xfffff) >> 20) + " MiB"; };
   const auto check = [&](const std::string& name, std::size_t bytes, std::size_t allowed) {
     if (bytes > allowed)
       throw Error(Exit::device, "device memory: " + name + " takes " + mib(bytes) + ", expected at most " + mib(allowed) + " on " +

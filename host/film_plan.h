@@ -2,11 +2,15 @@
 #pragma once
 
 #include <limits>
+#include <string>
 
 #include "film_vector.h"
 #include "upload.h"
 
 namespace oclair {
+
+// "12 MiB", rounded up: for messages.
+std::string mib(std::size_t bytes);
 
 // Half of the host's memory.
 std::size_t default_film_memory();

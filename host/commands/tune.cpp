@@ -68,7 +68,7 @@ Exit run(const TuneOptions& options) {
     bar.show(done, of, name);
   });
   bar.end();
-  if (result.rejected > 0) std::cerr << "warning: " << rejection_warning(result.rejected) << "\n";
+  if (result.rejected > 0) std::cerr << "oclair: warning: " << rejection_warning(result.rejected) << "\n";
   std::ostream& lines = json_only ? std::cerr : std::cout;
   tune::print_table(result, lines);
   lines << tune::advice(result) << std::endl;

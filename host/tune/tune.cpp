@@ -74,8 +74,6 @@ double bytes_of_pixel(unsigned replicas) {
   return pictures * 3.0 * sizeof(float) + sums * 3.0 * sizeof(double) + 4.0 * (sizeof(FilmPixel) + sizeof(FilmErrors));
 }
 
-std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(std::ceil(bytes / 0x1p20))) + " MiB"; }
-
 double pixels_of(glm::uvec2 film) { return static_cast<double>(film.x) * film.y; }
 
 bool has_crop_window(const Settings& film) { return film.crop_width != film.film_width || film.crop_height != film.film_height; }
@@ -125,13 +123,13 @@ class Tuner {
   void choose_size() {
     place(request_.size);
     const glm::uvec2 full{result_.width, result_.height};
-    const double pixels = pixels_of(full), most_bytes = static_cast<double>(default_film_memory());
-    const double share_that_fits = most_bytes / (bytes_of_pixel(request_.replicas) * pixels);
+    const double pixels = pixels_of(full), bytes = bytes_of_pixel(request_.replicas) * pixels;
+    const double share_that_fits = static_cast<double>(default_film_memory()) / bytes;
     if (request_.size || has_crop_window(scene_.settings)) {
       if (share_that_fits >= 1.0) return;
       throw Error(Exit::device, "memory: " + std::to_string(request_.replicas) + " replicas of " + std::to_string(full.x) + "x" +
-                                    std::to_string(full.y) + " pixels take " + mib(most_bytes / share_that_fits) + ", expected at most " +
-                                    mib(most_bytes) + ", half of what there is; fewer --replicas or a smaller --size");
+                                    std::to_string(full.y) + " pixels take " + mib(static_cast<std::size_t>(bytes)) + ", expected at most " +
+                                    mib(default_film_memory()) + ", half of what there is; fewer --replicas or a smaller --size");
     }
     tell_(0, 0, "the size of the pictures");
     const glm::uvec2 small = scaled(full, 4096.0 / pixels);
